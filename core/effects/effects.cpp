@@ -1,0 +1,84 @@
+#include "core/effects/effects.hpp"
+
+#include <algorithm>
+
+#include "core/error.hpp"
+#include "core/scene/scene.hpp"
+
+namespace penumbra {
+namespace {
+
+std::string allIds() {
+    std::string ids;
+    for (const EffectInfo& info : allEffects())
+        ids += (ids.empty() ? "" : ", ") + std::string(info.id);
+    return ids;
+}
+
+Effect effectById(const std::string& id) {
+    for (const EffectInfo& info : allEffects())
+        if (info.id == id) return info.effect;
+    throw InputError("unknown effect '" + id +
+                     "'; valid are auto, all, none or a comma-separated list of " + allIds());
+}
+
+}  // namespace
+
+const std::array<EffectInfo, kEffectCount>& allEffects() {
+    static const std::array<EffectInfo, kEffectCount> effects = {{
+        {Effect::penumbra, "penumbra", "the light has extent that shows as soft shadow edges"},
+        {Effect::self_shadow, "self_shadow", "a caster throws a shadow on itself"},
+        {Effect::thin_casters, "thin_casters",
+         "casters without thickness, such as leaves or wings"},
+        {Effect::layered_casters, "layered_casters",
+         "a ray from the light meets more than one caster"},
+        {Effect::alpha_mask, "alpha_mask", "a caster is cut out by its texture's alpha"},
+        {Effect::moving_light, "moving_light", "the light changes between frames"},
+        {Effect::moving_casters, "moving_casters", "geometry changes between frames"},
+        {Effect::moving_camera, "moving_camera", "the camera changes between frames"},
+    }};
+    return effects;
+}
+
+std::string EffectSet::text() const {
+    std::string ids;
+    for (const EffectInfo& info : allEffects())
+        if (has(info.effect)) ids += (ids.empty() ? "" : " ") + std::string(info.id);
+    return ids;
+}
+
+EffectChoice EffectChoice::parse(const std::string& text) {
+    if (text == "auto") return {};
+    if (text == "all") return {false, EffectSet::all()};
+    if (text == "none") return {false, {}};
+    EffectChoice choice{false, {}};
+    std::size_t begin = 0;
+    while (true) {
+        const std::size_t comma = text.find(',', begin);
+        choice.forced.add(effectById(text.substr(begin, comma - begin)));
+        if (comma == std::string::npos) return choice;
+        begin = comma + 1;
+    }
+}
+
+EffectSet effectsCalledFor(const Scene& scene, const SceneFrame& frame) {
+    // Whether these three show depends on what lies between light and receivers; leaving one out
+    // unseen would be an error, calling for it needlessly only costs time.
+    EffectSet effects{Effect::self_shadow, Effect::thin_casters, Effect::layered_casters};
+    if (!frame.light.isPoint()) effects.add(Effect::penumbra);
+    if (std::ranges::any_of(frame.geometry->parts, [&](const Part& part) {
+            return scene.materials[static_cast<std::size_t>(part.material)].masked;
+        }))
+        effects.add(Effect::alpha_mask);
+    if (scene.movingLight) effects.add(Effect::moving_light);
+    if (scene.movingCasters) effects.add(Effect::moving_casters);
+    if (scene.movingCamera) effects.add(Effect::moving_camera);
+    return effects;
+}
+
+Plan planFor(const EffectChoice& choice, const EffectSet& calledFor, const EffectSet& canSimulate) {
+    const EffectSet called = choice.automatic ? calledFor : choice.forced;
+    return {called & canSimulate, canSimulate - called, called - canSimulate};
+}
+
+}  // namespace penumbra

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/gl/handles.hpp"
+#include "core/scene/geometry.hpp"
+#include "core/scene/material.hpp"
+
+namespace penumbra {
+
+/// Materials' textures on the GPU, once per scene.
+class GpuMaterials {
+  public:
+    GpuMaterials(const std::vector<Material>& materials, const std::vector<TextureImage>& images);
+    const std::vector<Material>& materials() const { return materials_; }
+    /// Binds the base colour texture of `material` (white where it has none) to `unit`.
+    void bind(int material, GLuint unit) const;
+
+  private:
+    const std::vector<Material>& materials_;
+    std::vector<gl::Texture> textures_;
+    gl::Texture white_;
+};
+
+/// One frame's triangles on the GPU: attribute 0 position (vec3), 1 texture coordinates (vec2),
+/// 2 shading normal (vec3); 32-bit indices.
+class GpuGeometry {
+  public:
+    GpuGeometry(std::shared_ptr<const Geometry> geometry, const GpuMaterials& materials);
+
+    const Geometry& geometry() const { return *geometry_; }
+    /// Draws every triangle with the program in use, `instances` times: all opaque parts in one
+    /// call, then one call per alpha-masked material with its texture on unit 0 and the uniforms
+    /// `alphaMasked`, `alphaCutoff` and `alphaFactor` of shaders/common/alpha.glsl set. With
+    /// `alphaMask` false every part is drawn as opaque.
+    void draw(GLuint program, bool alphaMask, int instances = 1) const;
+
+  private:
+    struct Batch {
+        int material = -1;  ///< -1: opaque
+        std::uint32_t firstIndex = 0, indexCount = 0;
+    };
+    std::shared_ptr<const Geometry> geometry_;
+    const GpuMaterials* materials_;
+    gl::Buffer positions_, uvs_, normals_, indices_;
+    gl::VertexArray vertexArray_;
+    std::vector<Batch> batches_;
+};
+
+}  // namespace penumbra

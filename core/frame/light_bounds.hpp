@@ -1,0 +1,36 @@
+#pragma once
+
+#include <array>
+#include <glm/glm.hpp>
+
+#include "core/frame/gbuffer.hpp"
+#include "core/scene/area_light.hpp"
+#include "core/scene/geometry.hpp"
+
+namespace penumbra {
+
+/// What of a frame lies in front of one side of the light, in tangent coordinates t = (x/z, y/z) of
+/// that side's frame. Empty where no receiver is.
+struct SideBounds {
+    glm::dvec2 tangentLo{1e300}, tangentHi{-1e300};  ///< of the receivers
+    double receiverNearM = 1e300, receiverFarM = 0;  ///< depths z of the receivers
+    double casterNearM = 1e300;                      ///< least positive depth of any vertex
+    bool empty() const { return receiverFarM <= 0.0; }
+    bool operator==(const SideBounds&) const = default;
+};
+
+/// The receivers that the camera sees (scored and horizon pixels) and the casters as seen from the
+/// light's centre, measured once per frame and shared by every method that fits a light view.
+struct LightBounds {
+    SideBounds whole;                 ///< all receivers in the frame of the light's normal
+    std::array<SideBounds, 5> sides;  ///< split by dominant axis: front, +u, -u, +v, -v
+    bool operator==(const LightBounds&) const = default;
+};
+
+LightBounds boundLight(const AreaLight& light, const GBuffer& gbuffer, const Geometry& geometry);
+
+/// Orthonormal right-handed axes (x, y, z) of side `side` of the half cube around the light's normal,
+/// z pointing away from the light: 0 along the normal with x along axisU, 1..4 along +u -u +v -v.
+std::array<glm::dvec3, 3> lightSideAxes(const AreaLight& light, std::size_t side);
+
+}  // namespace penumbra

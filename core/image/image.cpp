@@ -1,0 +1,150 @@
+#include "core/image/image.hpp"
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <stdexcept>
+
+#include "core/error.hpp"
+
+namespace penumbra {
+namespace {
+
+/// An image read from outside may not ask for more than this many values (1 GiB of floats).
+constexpr std::uint64_t kMostValues = 1ull << 28;
+
+std::size_t channelIndex(const Image& image, const std::string& name) {
+    const auto at = std::ranges::find(image.channels, name);
+    if (at == image.channels.end())
+        throw std::runtime_error(fmt::format("the image has no channel '{}'; it has {}", name,
+                                             fmt::join(image.channels, ", ")));
+    return static_cast<std::size_t>(at - image.channels.begin());
+}
+
+/// Writes `bytes` to a temporary file beside `path` and renames it, so that `path` is complete or
+/// as it was.
+void writeAtomically(const std::filesystem::path& path, const std::vector<unsigned char>& bytes) {
+    static std::atomic<unsigned> counter{0};
+    const std::string temporary = fmt::format("{}.{}.{}.tmp", path.string(), getpid(), counter++);
+    const auto fail = [&](int error) {
+        unlink(temporary.c_str());
+        throw std::runtime_error(fmt::format("{}: {}", path.string(), std::strerror(error)));
+    };
+    const int fd = open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (fd < 0) fail(errno);
+    std::size_t written = 0;
+    while (written < bytes.size()) {
+        const ssize_t n = write(fd, bytes.data() + written, bytes.size() - written);
+        if (n < 0 && errno == EINTR) continue;
+        if (n < 0) {
+            const int error = errno;
+            close(fd);
+            fail(error);
+        }
+        written += static_cast<std::size_t>(n);
+    }
+    if (close(fd) != 0) fail(errno);
+    if (rename(temporary.c_str(), path.c_str()) != 0) fail(errno);
+}
+
+/// Encodes in memory, because OpenImageIO does not report what fails when a file is closed.
+void encodeAndWrite(const std::filesystem::path& path, const char* format,
+                    const OIIO::ImageSpec& spec, OIIO::TypeDesc type, const void* pixels) {
+    std::vector<unsigned char> bytes;
+    OIIO::Filesystem::IOVecOutput sink(bytes);
+    const auto output = OIIO::ImageOutput::create(format);
+    if (!output)
+        throw std::runtime_error(
+            fmt::format("{}: OpenImageIO has no {} writer", path.string(), format));
+    if (!output->set_ioproxy(&sink) || !output->open(format, spec) ||
+        !output->write_image(type, pixels) || !output->close())
+        throw std::runtime_error(fmt::format("{}: {}", path.string(), output->geterror()));
+    writeAtomically(path, bytes);
+}
+
+/// IEC 61966-2-1; NaN becomes 0.
+std::uint8_t srgb8(float linear) {
+    const float x = linear > 0.0f ? std::min(linear, 1.0f) : 0.0f;
+    const float encoded = x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1 / 2.4f) - 0.055f;
+    return static_cast<std::uint8_t>(std::lround(255.0f * encoded));
+}
+
+}  // namespace
+
+Image Image::withChannels(int width, int height, std::vector<std::string> channels) {
+    Image image;
+    image.width = width;
+    image.height = height;
+    image.channels = std::move(channels);
+    image.pixels.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
+                        image.channels.size());
+    return image;
+}
+
+std::vector<float> Image::channel(const std::string& name) const {
+    std::vector<float> values;
+    values.reserve(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    for (std::size_t i = channelIndex(*this, name); i < pixels.size(); i += channelCount())
+        values.push_back(pixels[i]);
+    return values;
+}
+
+void Image::setChannel(const std::string& name, std::span<const float> values) {
+    const std::size_t first = channelIndex(*this, name);
+    if (values.size() * channelCount() != pixels.size())
+        throw std::logic_error(fmt::format("Image::setChannel {}: {} values for {} pixels", name,
+                                           values.size(), pixels.size() / channelCount()));
+    for (std::size_t i = 0; i < values.size(); ++i) pixels[i * channelCount() + first] = values[i];
+}
+
+void writeExr(const std::filesystem::path& path, const Image& image) {
+    OIIO::ImageSpec spec(image.width, image.height, static_cast<int>(image.channelCount()),
+                         OIIO::TypeDesc::FLOAT);
+    spec.channelnames = image.channels;
+    spec.attribute("compression", "zip");
+    spec.attribute("DateTime", "");  // else the time of writing: equal images are equal files
+    encodeAndWrite(path, "exr", spec, OIIO::TypeDesc::FLOAT, image.pixels.data());
+}
+
+void writePng(const std::filesystem::path& path, const Image& linearRgb) {
+    if (linearRgb.channelCount() != 3)
+        throw std::logic_error("writePng: three channels are needed");
+    std::vector<std::uint8_t> encoded(linearRgb.pixels.size());
+    std::ranges::transform(linearRgb.pixels, encoded.begin(), srgb8);
+    OIIO::ImageSpec spec(linearRgb.width, linearRgb.height, 3, OIIO::TypeDesc::UINT8);
+    spec.attribute("oiio:ColorSpace", "sRGB");
+    encodeAndWrite(path, "png", spec, OIIO::TypeDesc::UINT8, encoded.data());
+}
+
+Image readImage(const std::filesystem::path& path) {
+    const auto fail = [&path](std::string why) {
+        std::ranges::replace(why, '\n', ' ');
+        throw InputError(fmt::format("{}: {}", path.string(), why));
+    };
+    if (!std::filesystem::is_regular_file(path)) fail("no such file");
+    OIIO::ImageSpec asStored;
+    asStored.attribute("oiio:UnassociatedAlpha", 1);  // values as they are in the file
+    const auto input = OIIO::ImageInput::open(path.string(), &asStored);
+    if (!input) fail(OIIO::geterror());
+    const OIIO::ImageSpec& spec = input->spec();
+    if (spec.deep || spec.depth > 1) fail("a deep or volume image, a flat one is needed");
+    if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1 ||
+        spec.image_pixels() > kMostValues / static_cast<std::uint64_t>(spec.nchannels))
+        fail(fmt::format("{} x {} pixels with {} channels are not supported", spec.width,
+                         spec.height, spec.nchannels));
+    Image image = Image::withChannels(spec.width, spec.height, spec.channelnames);
+    if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, image.pixels.data()))
+        fail(input->geterror());
+    return image;
+}
+
+}  // namespace penumbra

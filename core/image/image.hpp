@@ -1,0 +1,51 @@
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace penumbra {
+
+/// Float image with named, interleaved channels; top row first.
+struct Image {
+    int width = 0, height = 0;
+    std::vector<std::string> channels;
+    std::vector<float> pixels;  ///< width * height * channels.size()
+
+    std::size_t channelCount() const { return channels.size(); }
+    float& at(int x, int y, int c) {
+        return pixels[(static_cast<std::size_t>(y) * width + x) * channels.size() + c];
+    }
+    float at(int x, int y, int c) const {
+        return pixels[(static_cast<std::size_t>(y) * width + x) * channels.size() + c];
+    }
+    /// One channel by name as its own array; throws std::runtime_error if absent.
+    std::vector<float> channel(const std::string& name) const;
+    static Image withChannels(int width, int height, std::vector<std::string> channels);
+    void setChannel(const std::string& name, std::span<const float> values);
+};
+
+/// 32-bit float EXR, zip. Written to a temporary name beside `path` and renamed, so that a reader
+/// or a kill never sees half a file. Throws std::runtime_error with the reason. Equal images give
+/// equal files. A reader may find the channels in another order: go by name.
+void writeExr(const std::filesystem::path& path, const Image& image);
+
+/// Any flat image OpenImageIO reads, with its channel names: values as stored (integers as 0..1,
+/// nothing linearised), of several parts the first. Throws InputError.
+Image readImage(const std::filesystem::path& path);
+
+/// 8-bit RGB PNG from linear values in [0,1] (sRGB encoded, clamped); three channels expected.
+/// Atomic as writeExr.
+void writePng(const std::filesystem::path& path, const Image& linearRgb);
+
+/// Draws `text` into three channels with its baseline starting at (x, y), `sizePx` high, in linear
+/// `rgb`. Its ink lies within [x, x + textWidth()) and is clipped to the image. Throws
+/// std::runtime_error where the font (Debian package fonts-dejavu-core) is not installed.
+void drawText(Image& image, int x, int y, const std::string& text, int sizePx, float r, float g,
+              float b);
+
+/// Width of `text` in pixels at `sizePx`.
+int textWidth(const std::string& text, int sizePx);
+
+}  // namespace penumbra

@@ -1,0 +1,35 @@
+#pragma once
+
+#include "core/frame/light_view.hpp"
+#include "core/gl/handles.hpp"
+#include "core/gl/program.hpp"
+
+namespace penumbra {
+
+/// A shadow map of a light view: DEPTH_COMPONENT32F 2D array, one layer per tile, storing
+/// s = nearM / z (see LightView), 0 where no caster is. Both sides of every triangle cast.
+class DepthPass {
+  public:
+    DepthPass() = default;
+    /// Compiles the program, with or without the alpha test; maps are allocated by render.
+    explicit DepthPass(bool alphaMask);
+
+    /// Renders all casters into `size` x `size` texels per tile. Sets all GL state it needs.
+    void render(const Frame& frame, const LightView& view, int size);
+
+    const gl::Texture& map() const { return map_; }
+    const LightView& view() const { return view_; }
+    double texels() const;  ///< of all layers
+    /// Sets the uniforms of shaders/common/light_view.glsl on `program` (in use) and binds the map
+    /// to texture unit `unit`.
+    void bind(const gl::Program& program, GLuint unit) const;
+
+  private:
+    gl::Program program_;
+    gl::Texture map_;
+    gl::Framebuffer framebuffer_;
+    LightView view_;
+    bool alphaMask_ = false;
+};
+
+}  // namespace penumbra

@@ -1,0 +1,69 @@
+#include "harness/cli/cli.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+
+#include "core/error.hpp"
+#include "harness/cli/commands.hpp"
+
+namespace penumbra {
+namespace {
+
+/// The command line as it could be typed again.
+std::string quoted(int argc, char** argv) {
+    std::string line = "penumbra";
+    for (int i = 1; i < argc; ++i) {
+        const std::string argument = argv[i];
+        const bool plain = !argument.empty() &&
+                           argument.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRS"
+                                                      "TUVWXYZ0123456789_-+=.,:/@%") ==
+                               std::string::npos;
+        line += ' ';
+        if (plain) {
+            line += argument;
+            continue;
+        }
+        line += '\'';
+        for (char c : argument) line += c == '\'' ? "'\\''" : std::string(1, c);
+        line += '\'';
+    }
+    return line;
+}
+
+/// Errors are one line, whatever their message holds.
+std::string oneLine(std::string text) {
+    for (char& c : text)
+        if (c == '\n' || c == '\r') c = ' ';
+    while (text.ends_with(' ')) text.pop_back();
+    return text;
+}
+
+}  // namespace
+
+int runCommandLine(int argc, char** argv) {
+    CLI::App app("Renders scenes with real-time soft-shadow techniques, scores every pixel against a "
+                 "ray-traced reference and shows what accuracy costs in time.",
+                 "penumbra");
+    app.require_subcommand(1);
+    Action action;
+    addCompareCommand(app, action, quoted(argc, argv));
+    addListCommand(app, action);
+    addReportCommand(app, action);
+    addMergeCommand(app, action);
+    try {
+        app.parse(argc, argv);
+        return action();
+    } catch (const CLI::ParseError& e) {
+        if (e.get_exit_code() == 0) return app.exit(e);  // --help
+        fmt::print(stderr, "penumbra: {} (see penumbra --help)\n", oneLine(e.what()));
+    } catch (const InputError& e) {
+        fmt::print(stderr, "penumbra: {}\n", oneLine(e.what()));
+    } catch (const std::exception& e) {
+        fmt::print(stderr, "penumbra: stopped: {}\n", oneLine(e.what()));
+        return 3;
+    }
+    return 2;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <string>
+
+namespace penumbra {
+
+/// What a parsed subcommand does; its result is the exit code.
+using Action = std::function<int()>;
+
+/// Each adds one subcommand to `app`; when it was given on the command line `action` is set.
+/// `commandLine` is the command as typed.
+void addListCommand(CLI::App& app, Action& action);
+void addCompareCommand(CLI::App& app, Action& action, const std::string& commandLine);
+void addReportCommand(CLI::App& app, Action& action);
+void addMergeCommand(CLI::App& app, Action& action);
+
+}  // namespace penumbra

@@ -1,0 +1,250 @@
+#include "harness/reference/reference.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+#include <numeric>
+
+#include "harness/reference/pixel_estimator.hpp"
+
+namespace penumbra {
+
+namespace {
+
+constexpr int kTile = 16;
+/// How far, in pixels, a neighbour that sees something else casts doubt on a constant pixel.
+constexpr int kGuardRadius = 2;
+
+/// What one surface point sees of the light, ray by ray.
+class SurfaceProbe final : public LightProbe {
+  public:
+    SurfaceProbe(const Tracer& tracer, const AreaLight& light)
+        : tracer_(tracer),
+          stream_(tracer),
+          corner_(light.at(0.0, 0.0)),
+          edgeU_(2.0 * light.halfU * light.axisU),
+          edgeV_(2.0 * light.halfV * light.axisV),
+          lightNormal_(light.normal()) {}
+
+    void moveTo(const glm::vec3& position, const glm::vec3& geometricNormal) {
+        origin_ = tracer_.shadowOrigin(position, geometricNormal);
+        normal_ = geometricNormal;
+        fromCorner_ = corner_ - position;
+    }
+
+    void weigh(LightBatch& batch) override {
+        for (std::size_t i = 0; i < batch.size; ++i) {
+            const glm::vec3 d = fromCorner_ + batch.s[i] * edgeU_ + batch.t[i] * edgeV_;
+            const float distance2 = glm::dot(d, d);
+            const float cosines =
+                std::max(0.0f, glm::dot(normal_, d)) * std::max(0.0f, -glm::dot(lightNormal_, d));
+            batch.weight[i] = cosines / (distance2 * distance2);
+        }
+    }
+
+    void look(LightBatch& batch) override {
+        stream_.clear();
+        for (std::size_t i = 0; i < batch.size; ++i)
+            stream_.add(origin_, corner_ + batch.s[i] * edgeU_ + batch.t[i] * edgeV_);
+        stream_.trace();
+        for (std::size_t i = 0; i < batch.size; ++i) batch.visible[i] = !stream_.blocked(i);
+    }
+
+  private:
+    const Tracer& tracer_;
+    Tracer::Stream stream_;
+    glm::vec3 corner_, edgeU_, edgeV_, lightNormal_;
+    glm::vec3 origin_{0.0f}, normal_{0.0f}, fromCorner_{0.0f};
+};
+
+/// The pixels to trace, tile by tile: rays of neighbouring pixels meet the same triangles.
+std::vector<std::uint32_t> pixelsInTileOrder(const GBuffer& gbuffer) {
+    std::vector<std::uint32_t> pixels;
+    for (int tileY = 0; tileY < gbuffer.height; tileY += kTile)
+        for (int tileX = 0; tileX < gbuffer.width; tileX += kTile)
+            for (int y = tileY; y < std::min(tileY + kTile, gbuffer.height); ++y)
+                for (int x = tileX; x < std::min(tileX + kTile, gbuffer.width); ++x) {
+                    const auto i = static_cast<std::uint32_t>(y * gbuffer.width + x);
+                    if (gbuffer.mask[i] == PixelClass::scored ||
+                        gbuffer.mask[i] == PixelClass::horizon)
+                        pixels.push_back(i);
+                }
+    return pixels;
+}
+
+/// Reports the done fraction of a known amount of work from any thread, one call at a time.
+class ProgressMeter {
+  public:
+    ProgressMeter(const Progress& progress, double from, double to, std::size_t total)
+        : progress_(progress), from_(from), to_(to), total_(total) {}
+    void advance(std::size_t amount) {
+        const std::size_t done = done_ += amount;
+        if (!progress_) return;
+        const std::unique_lock lock(mutex_, std::try_to_lock);
+        if (lock)
+            progress_(from_ +
+                      (to_ - from_) * static_cast<double>(done) / static_cast<double>(total_));
+    }
+
+  private:
+    const Progress& progress_;
+    double from_, to_;
+    std::size_t total_;
+    std::atomic<std::size_t> done_{0};
+    std::mutex mutex_;
+};
+
+/// Calls `work(probe, pixel)` for all `pixels`, in parallel and in order within a chunk. Each
+/// pixel's result depends on nothing but the pixel, so none depends on the number of threads.
+template <class Work>
+void forPixels(const std::vector<std::uint32_t>& pixels, const Tracer& tracer,
+               const GBuffer& gbuffer, const AreaLight& light, ProgressMeter& meter,
+               const Work& work) {
+    constexpr std::size_t kChunk = kTile * kTile;
+    const std::size_t chunks = (pixels.size() + kChunk - 1) / kChunk;
+    tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
+        SurfaceProbe probe(tracer, light);
+        const std::size_t end = std::min(pixels.size(), (chunk + 1) * kChunk);
+        for (std::size_t k = chunk * kChunk; k < end; ++k) {
+            probe.moveTo(gbuffer.position[pixels[k]], gbuffer.geometricNormal[pixels[k]]);
+            work(probe, pixels[k]);
+        }
+        meter.advance(end - chunk * kChunk);
+    });
+}
+
+Reference emptyReference(const GBuffer& gbuffer) {
+    Reference out;
+    out.width = gbuffer.width;
+    out.height = gbuffer.height;
+    out.visibility.assign(gbuffer.size(), 1.0f);
+    out.standardError.assign(gbuffer.size(), 0.0f);
+    out.rays.assign(gbuffer.size(), 0.0f);
+    out.irradiance.assign(gbuffer.size(), 0.0f);
+    out.irradianceUnshadowed = gbuffer.irradianceUnshadowed;
+    for (std::size_t i = 0; i < gbuffer.size(); ++i)
+        if (gbuffer.mask[i] == PixelClass::facingAway) out.visibility[i] = 0.0f;
+    return out;
+}
+
+void set(Reference& out, std::uint32_t pixel, const PixelEstimate& estimate) {
+    out.visibility[pixel] = static_cast<float>(estimate.visibility);
+    out.standardError[pixel] = static_cast<float>(estimate.standardError);
+    out.rays[pixel] = static_cast<float>(estimate.rays);
+    out.irradiance[pixel] = static_cast<float>(estimate.shading * out.irradianceUnshadowed[pixel]);
+}
+
+void tracePoint(const std::vector<std::uint32_t>& pixels, const Tracer& tracer,
+                const GBuffer& gbuffer, const AreaLight& light, const Progress& progress,
+                Reference& out) {
+    ProgressMeter meter(progress, 0.0, 1.0, pixels.size());
+    forPixels(pixels, tracer, gbuffer, light, meter, [&](SurfaceProbe& probe, std::uint32_t i) {
+        LightBatch batch;
+        batch.s[0] = batch.t[0] = 0.5f;
+        batch.size = 1;
+        probe.look(batch);
+        const double lit = batch.visible[0];
+        set(out, i, {lit, 0.0, lit, 1, true});
+    });
+}
+
+/// Constant pixels beside one that saw something else.
+std::vector<std::uint32_t> doubtful(const std::vector<std::uint32_t>& pixels,
+                                    const GBuffer& gbuffer, const Reference& out,
+                                    const std::vector<std::uint8_t>& constant,
+                                    const std::vector<std::uint8_t>& guarded) {
+    const auto seesOther = [&](std::uint32_t i) {
+        const int x0 = static_cast<int>(i) % out.width, y0 = static_cast<int>(i) / out.width;
+        for (int y = std::max(0, y0 - kGuardRadius);
+             y <= std::min(out.height - 1, y0 + kGuardRadius); ++y)
+            for (int x = std::max(0, x0 - kGuardRadius);
+                 x <= std::min(out.width - 1, x0 + kGuardRadius); ++x) {
+                const std::size_t j = static_cast<std::size_t>(y) * out.width + x;
+                const bool traced =
+                    gbuffer.mask[j] == PixelClass::scored || gbuffer.mask[j] == PixelClass::horizon;
+                if (traced && (!constant[j] || out.visibility[j] != out.visibility[i])) return true;
+            }
+        return false;
+    };
+    std::vector<std::uint8_t> doubt(pixels.size());
+    tbb::parallel_for(std::size_t{0}, pixels.size(), [&](std::size_t k) {
+        const std::uint32_t i = pixels[k];
+        doubt[k] = constant[i] && !guarded[i] && seesOther(i);
+    });
+    std::vector<std::uint32_t> found;
+    for (std::size_t k = 0; k < pixels.size(); ++k)
+        if (doubt[k]) found.push_back(pixels[k]);
+    return found;
+}
+
+}  // namespace
+
+double Reference::totalRays() const {
+    return std::accumulate(rays.begin(), rays.end(), 0.0);
+}
+
+Reference traceReference(const Tracer& tracer, const GBuffer& gbuffer, const AreaLight& light,
+                         const ReferenceOptions& options, const Progress& progress) {
+    Reference out = emptyReference(gbuffer);
+    const std::vector<std::uint32_t> pixels = pixelsInTileOrder(gbuffer);
+    if (light.isPoint()) {
+        tracePoint(pixels, tracer, gbuffer, light, progress, out);
+        return out;
+    }
+    const ReplicateTables tables(
+        std::max(1, options.maxRaysPerPixel / ReplicateTables::kReplicates));
+    const PixelEstimator estimator(tables, options.targetStandardError, options.maxRaysPerPixel);
+    const auto seedOf = [&](std::uint32_t i) { return hash(i, options.seed); };
+
+    constexpr double kMainShare = 0.9;  // of the progress; the guard's share is not known before
+    ProgressMeter meter(progress, 0.0, options.adaptive ? kMainShare : 1.0, pixels.size());
+    std::vector<std::uint8_t> constant(gbuffer.size(), 0), guarded(gbuffer.size(), 0);
+    forPixels(pixels, tracer, gbuffer, light, meter, [&](SurfaceProbe& probe, std::uint32_t i) {
+        const PixelEstimate estimate = options.adaptive ? estimator.adaptive(probe, seedOf(i))
+                                                        : estimator.uniform(probe, seedOf(i));
+        set(out, i, estimate);
+        constant[i] = estimate.constant;
+    });
+    if (!options.adaptive) return out;
+
+    // 256 rays that agree miss a fringe of the light of area a with a probability of exp(-256 a),
+    // and where there is a penumbra next door there are fringes. Pixels found to be mixed cast
+    // doubt on their own neighbours, until no more are found.
+    for (;;) {
+        const std::vector<std::uint32_t> doubts = doubtful(pixels, gbuffer, out, constant, guarded);
+        if (doubts.empty()) break;
+        ProgressMeter guardMeter(progress, kMainShare, 1.0, doubts.size());
+        forPixels(doubts, tracer, gbuffer, light, guardMeter,
+                  [&](SurfaceProbe& probe, std::uint32_t i) {
+                      PixelEstimate pilot;
+                      pilot.visibility = out.visibility[i];
+                      pilot.rays = static_cast<int>(out.rays[i]);
+                      const PixelEstimate estimate = estimator.guard(probe, seedOf(i), pilot);
+                      set(out, i, estimate);
+                      guarded[i] = 1;
+                      constant[i] = estimate.constant;
+                  });
+    }
+    if (progress) progress(1.0);
+    return out;
+}
+
+std::vector<LightClass> classifyLight(const Reference& reference, const GBuffer& gbuffer) {
+    std::vector<LightClass> classes(gbuffer.size(), LightClass::none);
+    for (std::size_t i = 0; i < gbuffer.size(); ++i) {
+        if (gbuffer.mask[i] != PixelClass::scored) continue;
+        // METHODS.md, error metrics 5: an eighth of a grey level, or what the reference can tell
+        // apart.
+        const double threshold =
+            std::max(1.0 / 255.0, 3.0 * static_cast<double>(reference.standardError[i]));
+        const double visibility = reference.visibility[i];
+        classes[i] = visibility <= threshold         ? LightClass::umbra
+                     : visibility >= 1.0 - threshold ? LightClass::lit
+                                                     : LightClass::penumbra;
+    }
+    return classes;
+}
+
+}  // namespace penumbra

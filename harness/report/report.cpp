@@ -1,0 +1,78 @@
+#include "harness/report/report.hpp"
+
+#include <algorithm>
+#include <map>
+
+#include "harness/report/grid.hpp"
+#include "harness/report/summary.hpp"
+#include "harness/run/files.hpp"
+
+namespace penumbra {
+namespace {
+
+void writeGrid(const RunFolder& folder, const RunRecord::SceneEntry& scene,
+               const std::vector<Row>& rows) {
+    std::vector<int> frames;
+    for (const Row& row : rows)
+        if (row.scene == scene.id && std::ranges::find(frames, row.frame) == frames.end())
+            frames.push_back(row.frame);
+    if (frames.empty()) return;
+    std::ranges::sort(frames);
+
+    std::vector<GBuffer> gbuffers;
+    std::vector<Reference> references;
+    for (int frame : frames) {
+        gbuffers.push_back(folder.readGBuffer(scene.id, frame));
+        references.push_back(folder.readReference(scene.id, frame));
+    }
+    std::vector<GridFrame> grid;
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+        GridFrame g{frames[i], &gbuffers[i], &references[i], {}};
+        for (const Row& row : rows) {
+            if (row.scene != scene.id || row.frame != frames[i]) continue;
+            g.cells.push_back({&row, row.status == "ok" ? folder.readVisibility(
+                                                              scene.id, row.frame, row.setting)
+                                                        : std::vector<float>{}});
+        }
+        grid.push_back(std::move(g));
+    }
+    std::filesystem::create_directories(folder.grid(scene.id).parent_path());
+    writePng(folder.grid(scene.id), renderGrid(scene.id, scene.shows, grid));
+}
+
+}  // namespace
+
+void orderRows(const RunFolder& folder, const RunRecord& record) {
+    std::vector<Row> rows = readCsv(folder.results());
+    const auto rank = [](const auto& list, const std::string& name, auto member) {
+        return std::ranges::find(list, name, member) - list.begin();
+    };
+    std::ranges::stable_sort(rows, {}, [&](const Row& row) {
+        return std::tuple(rank(record.scenes, row.scene, &RunRecord::SceneEntry::id), row.frame,
+                          rank(record.settings, row.setting, &RunRecord::SettingEntry::name));
+    });
+    std::string text = csvHeader() + "\n";
+    for (const Row& row : rows) text += toCsv(row) + "\n";
+    writeFileAtomically(folder.results(), text);
+}
+
+void writeArtefacts(const RunFolder& folder) {
+    const RunRecord record = RunRecord::read(folder.record());
+    const std::vector<Row> rows = readCsv(folder.results());
+    for (const RunRecord::SceneEntry& scene : record.scenes) writeGrid(folder, scene, rows);
+    writeSummary(folder);
+}
+
+void writeSummary(const RunFolder& folder) {
+    const RunRecord record = RunRecord::read(folder.record());
+    SummaryInput input;
+    input.provenance = record.provenance;
+    input.provenance.emplace_back("command", record.command);
+    input.rows = readCsv(folder.results());
+    input.references = record.references;
+    input.phases = record.phases;
+    input.skippedScenes = record.skippedScenes;
+    writeFileAtomically(folder.summary(), summaryMarkdown(input));
+}
+
+}  // namespace penumbra

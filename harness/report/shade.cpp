@@ -1,0 +1,134 @@
+#include "harness/report/shade.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/constants.hpp>
+#include <utility>
+#include <vector>
+
+namespace penumbra {
+
+namespace {
+
+constexpr glm::vec3 kBackground{0.03F};
+constexpr glm::vec3 kNotFinite{1.0F, 0.0F, 1.0F};
+constexpr float kAmbientShare = 0.04F;
+constexpr float kWhitePoint = 0.8F;
+
+Image rgbImage(const GBuffer& gbuffer) {
+    return Image::withChannels(gbuffer.width, gbuffer.height, {"R", "G", "B"});
+}
+
+void setPixel(Image& image, std::size_t pixel, const glm::vec3& rgb) {
+    std::copy_n(&rgb[0], 3, &image.pixels[3 * pixel]);
+}
+
+float luminance(const glm::vec3& rgb) {
+    return glm::dot(rgb, {0.2126F, 0.7152F, 0.0722F});
+}
+
+/// 0 of an empty vector. Nearest rank, reorders.
+float percentile95(std::vector<float>& values) {
+    if (values.empty()) return 0.0F;
+    const auto nth =
+        values.begin() + static_cast<std::ptrdiff_t>((95 * values.size() + 99) / 100 - 1);
+    std::nth_element(values.begin(), nth, values.end());
+    return *nth;
+}
+
+/// Grey diagonal stripes eight pixels apart.
+glm::vec3 hatching(const GBuffer& gbuffer, std::size_t pixel) {
+    const auto width = static_cast<std::size_t>(gbuffer.width);
+    return glm::vec3((pixel % width + pixel / width) % 16 < 8 ? 0.10F : 0.13F);
+}
+
+bool answeredFor(PixelClass mask) {
+    return mask == PixelClass::scored || mask == PixelClass::horizon;
+}
+
+}  // namespace
+
+PictureLight pictureLight(const GBuffer& gbuffer) {
+    std::vector<float> irradiances, luminances;
+    for (std::size_t i = 0; i < gbuffer.size(); ++i) {
+        const float irradiance = gbuffer.irradianceUnshadowed[i];
+        if (!answeredFor(gbuffer.mask[i]) || !(irradiance > 0.0F)) continue;
+        irradiances.push_back(irradiance);
+        luminances.push_back(luminance(gbuffer.albedo[i]) * irradiance * glm::one_over_pi<float>());
+    }
+    const float bright = percentile95(luminances);
+    PictureLight light;
+    light.radiance = bright > 0.0F ? kWhitePoint / bright : 1.0F;
+    light.ambientIrradiance = kAmbientShare * percentile95(irradiances) * light.radiance;
+    return light;
+}
+
+Image shadeVisibility(const GBuffer& gbuffer, std::span<const float> visibility,
+                      const PictureLight& light) {
+    Image image = rgbImage(gbuffer);
+    for (std::size_t i = 0; i < gbuffer.size(); ++i) {
+        if (gbuffer.mask[i] == PixelClass::background) {
+            setPixel(image, i, kBackground);
+        } else if (!std::isfinite(visibility[i])) {
+            setPixel(image, i, kNotFinite);
+        } else {
+            const float v = std::clamp(visibility[i], 0.0F, 1.0F);
+            const float direct = gbuffer.irradianceUnshadowed[i] * light.radiance * v;
+            setPixel(
+                image, i,
+                gbuffer.albedo[i] * glm::one_over_pi<float>() * (direct + light.ambientIrradiance));
+        }
+    }
+    return image;
+}
+
+glm::vec3 errorColour(float error) {
+    if (!std::isfinite(error)) return kNotFinite;
+    const float t = std::min(std::abs(error) / kErrorScale, 1.0F);
+    // Mixed as square roots of linear values: near enough to sRGB for the steps to look even.
+    constexpr glm::vec3 kFull{0.80F, 0.06F, 0.10F};
+    glm::vec3 root = glm::mix(glm::vec3(1.0F), kFull, t);
+    if (error < 0.0F) std::swap(root.r, root.b);
+    return root * root;
+}
+
+Image errorMap(const GBuffer& gbuffer, std::span<const float> visibility,
+               const Reference& reference) {
+    Image image = rgbImage(gbuffer);
+    for (std::size_t i = 0; i < gbuffer.size(); ++i) {
+        setPixel(image, i,
+                 answeredFor(gbuffer.mask[i]) ? errorColour(visibility[i] - reference.visibility[i])
+                                              : hatching(gbuffer, i));
+    }
+    return image;
+}
+
+const std::array<ClassColour, 4>& classColours() {
+    static const std::array<ClassColour, 4> kColours{{
+        {"lit", {0.88F, 0.80F, 0.52F}},
+        {"penumbra", {0.80F, 0.28F, 0.03F}},
+        {"umbra", {0.02F, 0.03F, 0.12F}},
+        {"horizon", {0.06F, 0.30F, 0.32F}},
+    }};
+    return kColours;
+}
+
+Image classMap(const GBuffer& gbuffer, const Reference& reference) {
+    const std::vector<LightClass> classes = classifyLight(reference, gbuffer);
+    const auto& [lit, penumbra, umbra, horizon] = classColours();
+    Image image = rgbImage(gbuffer);
+    for (std::size_t i = 0; i < gbuffer.size(); ++i) {
+        if (gbuffer.mask[i] == PixelClass::horizon) {
+            setPixel(image, i, horizon.rgb);
+        } else if (gbuffer.mask[i] != PixelClass::scored) {
+            setPixel(image, i, hatching(gbuffer, i));
+        } else if (classes[i] == LightClass::lit) {
+            setPixel(image, i, lit.rgb);
+        } else {
+            setPixel(image, i, classes[i] == LightClass::penumbra ? penumbra.rgb : umbra.rgb);
+        }
+    }
+    return image;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,365 @@
+#include "harness/report/summary.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <set>
+#include <string_view>
+#include <tuple>
+
+namespace penumbra {
+
+namespace {
+
+using Cells = std::vector<std::string>;
+using Number = std::optional<double>;
+
+// ---- Markdown --------------------------------------------------------------------------------
+
+/// Text that means itself wherever it stands, in a table cell too.
+std::string escaped(std::string_view text) {
+    const auto isWord = [&](std::size_t i) {
+        return i < text.size() && std::isalnum(static_cast<unsigned char>(text[i])) != 0;
+    };
+    std::string out;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const char c = text[i];
+        // Markdown leaves snake_case alone, and so stay the names readable in the source.
+        const bool insideWord = c == '_' && i > 0 && isWord(i - 1) && isWord(i + 1);
+        if (c == '\n') {
+            out += "<br>";
+        } else if (c == '<') {
+            out += "&lt;";
+        } else if (c == '&') {
+            out += "&amp;";
+        } else if (c != '\r') {
+            if (!insideWord && std::string_view("\\`*_[]|~").find(c) != std::string_view::npos) {
+                out += '\\';
+            }
+            out += c;
+        }
+    }
+    return out;
+}
+
+std::string tableLine(const Cells& cells) {
+    return fmt::format("| {} |\n", fmt::join(cells, " | "));
+}
+
+/// The first `textColumns` columns are aligned left, numbers right. Cells are Markdown already.
+std::string table(const Cells& header, std::size_t textColumns, const std::vector<Cells>& lines) {
+    std::string out = tableLine(header) + "|";
+    for (std::size_t i = 0; i < header.size(); ++i) out += i < textColumns ? ":--|" : "--:|";
+    out += '\n';
+    for (const Cells& line : lines) out += tableLine(line);
+    return out + '\n';
+}
+
+/// Three significant digits, whole numbers in full, an exponent only below 0.0001.
+std::string number(const Number& value) {
+    if (!value) return "";
+    const double magnitude = std::abs(*value);
+    if (magnitude == 0.0) return "0";
+    if (magnitude < 1e-4 || magnitude >= 1e15) return fmt::format("{:.2e}", *value);
+    const int digits = std::clamp(2 - static_cast<int>(std::floor(std::log10(magnitude))), 0, 6);
+    return fmt::format("{:.{}f}", *value, digits);
+}
+
+std::string whole(const Number& value) {
+    return value ? fmt::format("{:.0f}", *value) : "";
+}
+
+/// 12.3 M and the like.
+std::string count(double value) {
+    if (value >= 1e9) return number(value / 1e9) + " G";
+    if (value >= 1e6) return number(value / 1e6) + " M";
+    if (value >= 1e4) return number(value / 1e3) + " k";
+    return whole(value);
+}
+
+std::string percent(const Number& fraction) {
+    return fraction ? number(100.0 * *fraction) + " %" : "";
+}
+
+std::string seconds(double value) {
+    return number(value) + " s";
+}
+
+Number ratio(double part, double whole) {
+    return whole > 0 ? Number(part / whole) : std::nullopt;
+}
+
+std::string place(const Row& row) {
+    return fmt::format("{}, frame {}, {}", escaped(row.scene), row.frame, escaped(row.setting));
+}
+
+// ---- sections --------------------------------------------------------------------------------
+
+std::string provenance(const SummaryInput& input) {
+    std::string out;
+    for (const auto& [name, value] : input.provenance) {
+        out += fmt::format("- {}: {}\n", escaped(name), escaped(value));
+    }
+    return out.empty() ? out : out + '\n';
+}
+
+/// `title` and one line per entry; long lists keep their first lines and the number of the others.
+std::string warningList(std::string_view title, const std::vector<std::string>& entries) {
+    constexpr std::size_t kMostShown = 20;
+    if (entries.empty()) return {};
+    std::string out = fmt::format("**{}: {}**\n\n", title, entries.size());
+    for (std::size_t i = 0; i < std::min(entries.size(), kMostShown); ++i) {
+        out += fmt::format("- {}\n", entries[i]);
+    }
+    if (entries.size() > kMostShown) {
+        out += fmt::format("- … and {} more in results.csv\n", entries.size() - kMostShown);
+    }
+    return out + '\n';
+}
+
+std::string warnings(const SummaryInput& input) {
+    std::vector<std::string> failed, unsupported, poisoned, unstable, missing, skipped;
+    for (const Row& row : input.rows) {
+        const std::string where = place(row);
+        if (row.status == "unsupported") {
+            unsupported.push_back(where + ": " + escaped(row.message));
+        } else if (row.status != "ok") {
+            failed.push_back(
+                fmt::format("{}: {} {}", where, escaped(row.status), escaped(row.message)));
+        }
+        if (row.metrics.nonfinite > 0) {
+            poisoned.push_back(fmt::format("{}: {} pixels", where, row.metrics.nonfinite));
+        }
+        if (row.unstable) {
+            unstable.push_back(fmt::format("{}: {} ms [{}, {}]", where, number(row.frameMs),
+                                           number(row.frameMsLow), number(row.frameMsHigh)));
+        }
+        if (!row.effectsMissing.empty()) {
+            missing.push_back(where + ": " + escaped(row.effectsMissing));
+        }
+    }
+    for (const auto& [scene, reason] : input.skippedScenes) {
+        skipped.push_back(escaped(scene) + ": " + escaped(reason));
+    }
+    const std::string out = warningList("Failed cells", failed) +
+                            warningList("Unsupported cells", unsupported) +
+                            warningList("Skipped scenes", skipped) +
+                            warningList("Pixels that are not finite", poisoned) +
+                            warningList("Effects the scene calls for, beyond the method", missing) +
+                            warningList("Unstable times", unstable);
+    return "## Warnings\n\n" + (out.empty() ? "None.\n\n" : out);
+}
+
+struct Mean {
+    double sum = 0;
+    std::size_t n = 0;
+
+    void add(const Number& value) {
+        if (!value) return;
+        sum += *value;
+        ++n;
+    }
+    Number value() const { return n ? Number(sum / static_cast<double>(n)) : std::nullopt; }
+};
+
+struct Overview {
+    std::string method, params;
+    std::set<std::string> scenes;
+    std::size_t cells = 0, good = 0;
+    Mean rmse, rmsePenumbra, bias, leakRate, falseShadowRate, logRelativeTime;
+};
+
+/// Times are comparable only within a scene, a frame and a renderer.
+using TimeGroup = std::tuple<std::string, int, std::string>;
+
+TimeGroup timeGroup(const Row& row) {
+    return {row.scene, row.frame, row.renderer};
+}
+
+bool isTimed(const Row& row) {
+    return row.status == "ok" && row.frameMs && *row.frameMs > 0;
+}
+
+std::map<TimeGroup, double> fastestTimes(const std::vector<Row>& rows) {
+    std::map<TimeGroup, double> fastest;
+    for (const Row& row : rows) {
+        if (!isTimed(row)) continue;
+        const auto [entry, isNew] = fastest.try_emplace(timeGroup(row), *row.frameMs);
+        if (!isNew) entry->second = std::min(entry->second, *row.frameMs);
+    }
+    return fastest;
+}
+
+std::string overview(const SummaryInput& input) {
+    const std::map<TimeGroup, double> fastest = fastestTimes(input.rows);
+    std::map<std::string, Overview> settings;
+    std::vector<std::string> order;
+    for (const Row& row : input.rows) {
+        const auto [entry, isNew] = settings.try_emplace(row.setting);
+        if (isNew) order.push_back(row.setting);
+        Overview& o = entry->second;
+        o.method = row.method;
+        o.params = row.params;
+        ++o.cells;
+        if (row.status != "ok") continue;
+        ++o.good;
+        o.scenes.insert(row.scene);
+        o.rmse.add(row.metrics.rmse);
+        o.rmsePenumbra.add(row.metrics.rmsePenumbra);
+        o.bias.add(row.metrics.bias);
+        o.leakRate.add(row.metrics.leakRate);
+        o.falseShadowRate.add(row.metrics.falseShadowRate);
+        if (isTimed(row)) {
+            o.logRelativeTime.add(std::log(*row.frameMs / fastest.at(timeGroup(row))));
+        }
+    }
+    if (order.empty()) return {};
+    std::stable_sort(order.begin(), order.end(), [&](const auto& a, const auto& b) {
+        return settings[a].rmse.value().value_or(HUGE_VAL) <
+               settings[b].rmse.value().value_or(HUGE_VAL);
+    });
+
+    std::vector<Cells> lines;
+    for (const std::string& name : order) {
+        const Overview& o = settings[name];
+        const Number logTime = o.logRelativeTime.value();
+        lines.push_back({escaped(name), name == o.method ? "" : escaped(o.params),
+                         fmt::format("{}", o.scenes.size()), fmt::format("{}/{}", o.good, o.cells),
+                         number(o.rmse.value()), number(o.rmsePenumbra.value()),
+                         number(o.bias.value()), percent(o.leakRate.value()),
+                         percent(o.falseShadowRate.value()),
+                         logTime ? number(std::exp(*logTime)) : ""});
+    }
+    return "## Settings over all scenes\n\n"
+           "Means over good cells, best rmse first. Time is the geometric mean of the frame time "
+           "over that of the fastest setting in the same scene and frame. A setting with fewer "
+           "good cells was averaged over other scenes: compare it in the scenes' own tables.\n\n" +
+           table({"setting", "parameters", "scenes", "good cells", "rmse", "rmse penumbra", "bias",
+                  "leak rate", "false shadow rate", "time / fastest"},
+                 2, lines);
+}
+
+std::string withError(const Number& value, const Number& error) {
+    return error && value ? number(value) + " ± " + number(error) : number(value);
+}
+
+std::string withInterval(const Row& row) {
+    if (!row.frameMs || !row.frameMsLow || !row.frameMsHigh) return number(row.frameMs);
+    return fmt::format("{} [{}, {}]{}", number(row.frameMs), number(row.frameMsLow),
+                       number(row.frameMsHigh), row.unstable ? " unstable" : "");
+}
+
+std::string scenes(const SummaryInput& input) {
+    std::map<std::string, std::vector<const Row*>> byScene;
+    for (const Row& row : input.rows) byScene[row.scene].push_back(&row);
+    if (byScene.empty()) return {};
+
+    std::string out =
+        "## Scenes\n\nrmse ± the reference's own standard error in penumbrae; errors of V, above 0 "
+        "in bias is leaked light. Times in ms: median [95 % interval].\n\n";
+    for (auto& [scene, rows] : byScene) {
+        // Rows were measured in random order.
+        std::sort(rows.begin(), rows.end(), [](const Row* a, const Row* b) {
+            return std::tie(a->frame, a->method, a->setting) <
+                   std::tie(b->frame, b->method, b->setting);
+        });
+        std::vector<Cells> lines;
+        for (const Row* row : rows) {
+            const Metrics& m = row->metrics;
+            lines.push_back({fmt::format("{}", row->frame), escaped(row->setting),
+                             escaped(row->status), withError(m.rmse, m.referenceSe),
+                             number(m.rmsePenumbra), number(m.bias), number(m.p99),
+                             number(m.maxError), percent(m.leakRate), percent(m.falseShadowRate),
+                             withInterval(*row), number(row->buildMs), number(row->shadeMs),
+                             whole(row->maps), whole(row->drawCalls)});
+        }
+        out += fmt::format("### {}\n\n", escaped(scene)) +
+               table({"frame", "setting", "status", "rmse ± reference SE", "rmse penumbra", "bias",
+                      "p99", "max", "leak rate", "false shadow rate", "frame ms", "build ms",
+                      "shade ms", "maps", "draw calls"},
+                     3, lines);
+    }
+    return out;
+}
+
+/// Spent rays over those of uniform sampling, where the latter are known.
+Number adaptiveRatio(const std::vector<ReferenceStats>& references) {
+    double spent = 0, uniform = 0;
+    for (const ReferenceStats& r : references) {
+        if (!(r.uniformEquivalentRays > 0)) continue;
+        spent += r.rays;
+        uniform += r.uniformEquivalentRays;
+    }
+    return ratio(spent, uniform);
+}
+
+std::string references(const SummaryInput& input) {
+    if (input.references.empty()) return {};
+    std::vector<Cells> lines;
+    for (const ReferenceStats& r : input.references) {
+        // Seconds of a cached reference are those of loading it: no rate.
+        const Number rate = r.cached ? std::nullopt : ratio(r.rays, r.seconds);
+        lines.push_back({escaped(r.scene), fmt::format("{}", r.frame),
+                         r.cached ? "cached" : "traced", count(r.rays), rate ? count(*rate) : "",
+                         seconds(r.seconds),
+                         percent(ratio(static_cast<double>(r.penumbraPixels),
+                                       static_cast<double>(r.scoredPixels))),
+                         number(adaptiveRatio({r}))});
+    }
+    return "## References\n\nAdaptive / uniform: rays spent over the rays that the same count for "
+           "every pixel would have spent at the same worst standard error.\n\n" +
+           table({"scene", "frame", "source", "rays", "rays/s", "time", "penumbra pixels",
+                  "adaptive / uniform"},
+                 3, lines);
+}
+
+std::string phases(const SummaryInput& input) {
+    if (input.phases.empty()) return {};
+    double total = 0, overhead = 0;
+    for (const PhaseTime& phase : input.phases) {
+        total += phase.seconds;
+        const bool work =
+            phase.name == "reference" || phase.name == "methods" || phase.name == "images";
+        if (!work) overhead += phase.seconds;
+    }
+    std::vector<Cells> lines;
+    for (const PhaseTime& phase : input.phases) {
+        lines.push_back(
+            {escaped(phase.name), seconds(phase.seconds), percent(ratio(phase.seconds, total))});
+    }
+    lines.push_back({"total", seconds(total), ""});
+    return "## Where the time went\n\n" + table({"phase", "time", "share"}, 1, lines) +
+           fmt::format("Outside reference, methods and images: {} of the run.\n\n",
+                       percent(ratio(overhead, total)));
+}
+
+std::string ratios(const SummaryInput& input) {
+    double rays = 0, time = 0;
+    for (const ReferenceStats& r : input.references) {
+        if (r.cached) continue;
+        rays += r.rays;
+        time += r.seconds;
+    }
+    std::string out;
+    if (const Number rate = ratio(rays, time)) {
+        out += fmt::format("- Reference rays per second over the run: {}\n", count(*rate));
+    }
+    if (const Number adaptive = adaptiveRatio(input.references)) {
+        out += fmt::format("- Reference rays, adaptive / uniform, over the run: {}\n",
+                           number(adaptive));
+    }
+    return out;
+}
+
+}  // namespace
+
+std::string summaryMarkdown(const SummaryInput& input) {
+    return fmt::format("# {}\n\n", escaped(input.title)) + provenance(input) + warnings(input) +
+           overview(input) + scenes(input) + references(input) + phases(input) + ratios(input);
+}
+
+}  // namespace penumbra

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "harness/run/row.hpp"
+
+namespace penumbra {
+
+/// What tracing the reference of one (scene, frame) cost.
+struct ReferenceStats {
+    std::string scene;
+    int frame = 0;
+    double rays = 0;     ///< spent, when it was traced
+    double seconds = 0;  ///< in this run: of tracing, or of loading it from the cache
+    bool cached = false;
+    std::size_t penumbraPixels = 0;
+    std::size_t scoredPixels = 0;
+    /// What one ray count for all pixels would have spent at the same worst standard error; 0 if
+    /// unknown.
+    double uniformEquivalentRays = 0;
+};
+
+struct PhaseTime {
+    std::string name;  ///< `reference`, `methods` and `images` are work; all others are overhead
+    double seconds = 0;
+};
+
+struct SummaryInput {
+    std::string title = "Penumbra run";
+    std::vector<std::pair<std::string, std::string>> provenance;  ///< name, value
+    std::vector<Row> rows;
+    std::vector<ReferenceStats> references;
+    std::vector<PhaseTime> phases;                                   ///< together the whole run
+    std::vector<std::pair<std::string, std::string>> skippedScenes;  ///< scene, reason
+};
+
+/// summary.md: warnings first, then settings over all scenes, each scene, the references and where
+/// the time went. GitHub-flavoured Markdown; the same input gives the same text.
+std::string summaryMarkdown(const SummaryInput& input);
+
+}  // namespace penumbra

@@ -1,0 +1,144 @@
+#include "harness/run/cells.hpp"
+
+#include <algorithm>
+
+#include "core/error.hpp"
+#include "core/gl/context.hpp"
+#include "core/gl/work_counter.hpp"
+#include "core/sampling/sampling.hpp"
+#include "harness/run/statistics.hpp"
+
+namespace penumbra {
+
+void SettingRun::warmUp(const Frame& frame, const Plan& plan, const TextureTarget& target,
+                        Row& row) {
+    if (!method_ || !(plan_ == plan)) {
+        method_ = setting_.make();
+        builtFor_.reset();
+        const gl::FencedTimer timer;
+        method_->prepare(frame.scene, plan);
+        prepareMs_ = timer.stop();
+        gl::checkErrors(setting_.name + ": prepare");
+        plan_ = plan;
+    }
+    const BuiltFor now{frame.geometry, frame.light, frame.lightBounds};
+    kept_ = builtFor_ && *builtFor_ == now;
+    builtFor_.reset();
+    target.poison();
+    gl::WorkCounter counter;
+    if (!kept_) method_->build(frame, plan_);
+    method_->shade(frame, plan_, target);
+    const gl::Work work = counter.stop();
+    gl::checkErrors(setting_.name);
+    builtFor_ = now;
+    visibility_ = target.read();
+
+    const WorkCounters own = method_->counters();
+    row.prepareMs = prepareMs_;
+    row.drawCalls = static_cast<double>(work.drawCalls);
+    if (counter.statistics()) {
+        row.triangles = static_cast<double>(work.triangles);
+        row.fragments = static_cast<double>(work.fragments);
+    }
+    row.maps = kept_ ? 0.0 : own.maps;
+    row.lightTexels = own.lightTexels;
+    row.textureMib = own.textureMib;
+    row.message = own.message;
+}
+
+SettingRun::Sample SettingRun::timed(const Frame& frame, const TextureTarget& target) {
+    Sample sample;
+    if (!kept_) {
+        const gl::FencedTimer timer;
+        method_->build(frame, plan_);
+        sample.buildMs = timer.stop();
+    }
+    const gl::FencedTimer timer;
+    method_->shade(frame, plan_, target);
+    sample.shadeMs = timer.stop();
+    gl::checkErrors(setting_.name);
+    return sample;
+}
+
+void runCells(const Frame& frame, const EffectChoice& effects, const EffectSet& calledFor,
+              std::vector<SettingRun*> runs, int repeats, const TextureTarget& target,
+              const std::function<void(Row&&, const std::vector<float>&)>& done) {
+    struct Cell {
+        SettingRun* run;
+        Row row;
+        std::vector<double> build, shade, total;
+    };
+    const auto guarded = [&](Cell& cell, const auto& work) {
+        try {
+            work();
+            return true;
+        } catch (const Unsupported& e) {
+            cell.row.status = "unsupported";
+            cell.row.message = e.what();
+        } catch (const std::exception& e) {
+            cell.row.status = "failed";
+            cell.row.message = e.what();
+        }
+        gl::takeErrors();
+        done(std::move(cell.row), {});
+        return false;
+    };
+
+    std::vector<Cell> cells;
+    for (SettingRun* run : runs) {
+        Cell cell{run, {}, {}, {}, {}};
+        cell.row.scene = frame.scene.id;
+        cell.row.frame = frame.index;
+        cell.row.method = run->setting().method;
+        cell.row.setting = run->setting().name;
+        cell.row.params = run->setting().params;
+        cell.row.width = frame.width();
+        cell.row.height = frame.height();
+        if (guarded(cell, [&] {
+                const auto method = run->setting().make();
+                const Plan plan = planFor(effects, calledFor, method->traits().simulates);
+                cell.row.effectsSimulated = plan.simulated.text();
+                cell.row.effectsSkipped = plan.skipped.text();
+                cell.row.effectsMissing = plan.missing.text();
+                run->warmUp(frame, plan, target, cell.row);
+            }))
+            cells.push_back(std::move(cell));
+    }
+
+    for (int round = 0; round < repeats; ++round) {
+        std::vector<std::pair<std::uint32_t, std::size_t>> order;
+        for (std::size_t i = 0; i < cells.size(); ++i)
+            order.emplace_back(hash(frame.seed, static_cast<std::uint32_t>(round),
+                                    static_cast<std::uint32_t>(i)),
+                               i);
+        std::ranges::sort(order);
+        for (const auto& [key, i] : order) {
+            Cell& cell = cells[i];
+            if (!cell.run) continue;
+            if (!guarded(cell, [&] {
+                    const SettingRun::Sample s = cell.run->timed(frame, target);
+                    cell.build.push_back(s.buildMs);
+                    cell.shade.push_back(s.shadeMs);
+                    cell.total.push_back(s.buildMs + s.shadeMs);
+                }))
+                cell.run = nullptr;
+        }
+    }
+
+    for (Cell& cell : cells) {
+        if (!cell.run) continue;
+        const TimingSummary t = summarise(cell.total, frame.seed);
+        cell.row.frameMs = t.median;
+        cell.row.frameMsLow = t.low;
+        cell.row.frameMsHigh = t.high;
+        cell.row.frameMsMad = t.mad;
+        cell.row.unstable = t.unstable;
+        cell.row.repeats = static_cast<int>(cell.total.size());
+        if (!cell.run->kept()) cell.row.buildMs = median(cell.build);
+        cell.row.shadeMs = median(cell.shade);
+        const std::vector<float>& visibility = cell.run->visibility();
+        done(std::move(cell.row), visibility);
+    }
+}
+
+}  // namespace penumbra

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/frame/frame.hpp"
+#include "harness/run/row.hpp"
+#include "harness/run/settings.hpp"
+#include "harness/run/visibility_target.hpp"
+
+namespace penumbra {
+
+/// One setting's method through the frames of one scene, with what its light-space maps were built
+/// for, so that a frame in which none of that changed keeps them.
+class SettingRun {
+  public:
+    explicit SettingRun(const Setting& setting) : setting_(setting) {}
+
+    const Setting& setting() const { return setting_; }
+    /// Makes the frame's image once, counting the work, before any timing: prepares the method if
+    /// its plan changed, builds unless the maps can be kept. Throws what the method throws.
+    void warmUp(const Frame& frame, const Plan& plan, const TextureTarget& target, Row& row);
+    /// One timed frame; milliseconds of build (0 when kept) and shade.
+    struct Sample {
+        double buildMs = 0.0, shadeMs = 0.0;
+    };
+    Sample timed(const Frame& frame, const TextureTarget& target);
+    const std::vector<float>& visibility() const { return visibility_; }
+    bool kept() const { return kept_; }
+
+  private:
+    struct BuiltFor {
+        std::shared_ptr<const Geometry> geometry;
+        AreaLight light;
+        LightBounds bounds;
+        bool operator==(const BuiltFor&) const = default;
+    };
+    const Setting& setting_;
+    std::unique_ptr<ShadowMethod> method_;
+    std::optional<BuiltFor> builtFor_;
+    Plan plan_;
+    double prepareMs_ = 0.0;
+    bool kept_ = false;
+    std::vector<float> visibility_;
+};
+
+/// Runs every setting in `runs` on one frame: a warm-up each, then `repeats` rounds in an order drawn
+/// anew for each round, so that drift of the machine hits all alike. A setting that throws gets a
+/// failed or unsupported row and drops out; the others go on. `done` is called once per setting with
+/// its row (metrics still empty) and its image (empty if failed).
+void runCells(const Frame& frame, const EffectChoice& effects, const EffectSet& calledFor,
+              std::vector<SettingRun*> runs, int repeats, const TextureTarget& target,
+              const std::function<void(Row&&, const std::vector<float>&)>& done);
+
+}  // namespace penumbra

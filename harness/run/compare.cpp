@@ -1,0 +1,349 @@
+#include "harness/run/compare.hpp"
+
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <fstream>
+#include <map>
+#include <set>
+#include <thread>
+
+#include "core/error.hpp"
+#include "harness/report/report.hpp"
+#include "harness/run/cells.hpp"
+#include "harness/run/files.hpp"
+#include "harness/run/progress.hpp"
+#include "harness/run/provenance.hpp"
+#include "harness/run/run_folder.hpp"
+#include "harness/run/run_record.hpp"
+#include "harness/run/suite.hpp"
+
+namespace penumbra {
+namespace {
+
+/// Where the time of a run goes.
+class PhaseClock {
+  public:
+    template <class Work>
+    auto measure(const std::string& phase, const Work& work) {
+        struct Guard {
+            double& total;
+            std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+            ~Guard() {
+                total += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+            }
+        } guard{seconds_[phase]};
+        return work();
+    }
+    void add(const std::string& phase, double seconds) { seconds_[phase] += seconds; }
+    std::vector<PhaseTime> phases() const {
+        std::vector<PhaseTime> list;
+        for (const auto& [name, seconds] : seconds_) list.push_back({name, seconds});
+        return list;
+    }
+
+  private:
+    std::map<std::string, double> seconds_;
+};
+
+struct LoadedScenes {
+    std::vector<std::shared_ptr<const Scene>> scenes;
+    std::vector<std::pair<std::string, std::string>> skipped;
+};
+
+LoadedScenes loadScenes(const CompareOptions& options) {
+    const SceneLibrary library = SceneLibrary::standard();
+    std::vector<std::string> wanted;
+    if (!options.suite.empty() || options.scenes.empty())
+        wanted = loadSuite(options.suite.empty() ? "standard" : options.suite, library).scenes;
+    wanted.insert(wanted.end(), options.scenes.begin(), options.scenes.end());
+
+    LoadedScenes loaded;
+    std::map<std::string, std::filesystem::path> sources;
+    for (const std::string& name : wanted) {
+        try {
+            const auto scene = loadScene(name, library);
+            const auto [at, isNew] = sources.emplace(scene->id, scene->source);
+            if (!isNew && at->second != scene->source)
+                throw InputError(fmt::format("two scenes are called '{}': {} and {}", scene->id,
+                                             at->second.string(), scene->source.string()));
+            if (isNew) loaded.scenes.push_back(scene);
+        } catch (const AssetAbsent& e) {
+            loaded.skipped.emplace_back(name, e.what());
+        }
+    }
+    if (loaded.scenes.empty())
+        throw InputError("nothing to render: " +
+                         (loaded.skipped.empty() ? "no scene" : loaded.skipped.front().second));
+    return loaded;
+}
+
+/// All that a run holds while its cells are done.
+class Run {
+  public:
+    Run(const CompareOptions& options, RunFolder folder, LoadedScenes loaded,
+        std::vector<Setting> settings, const gl::Context& context, int threads)
+        : options_(options),
+          folder_(std::move(folder)),
+          loaded_(std::move(loaded)),
+          settings_(std::move(settings)),
+          cache_(options.cache.empty() ? ReferenceCache::defaultFolder() : options.cache),
+          provenance_(gatherProvenance(context, threads)),
+          progress_(countFrames()) {}
+
+    /// Reads what an earlier run left in the folder (`--resume`), or refuses a folder that is in use.
+    void openFolder();
+    /// Runs every cell that has no row yet. Returns the exit code.
+    int cells();
+
+  private:
+    std::size_t countFrames() const;
+    void writeRecord(bool finished);
+    void runScene(std::size_t sceneIndex);
+    void runFrame(const Scene& scene, const Frame& frame, std::vector<SettingRun*> pending);
+    Reference referenceFor(const Scene& scene, const Frame& frame);
+    bool mine(std::size_t cell) const {
+        return cell % static_cast<std::size_t>(options_.shards) ==
+               static_cast<std::size_t>(options_.shard - 1);
+    }
+
+    const CompareOptions& options_;
+    RunFolder folder_;
+    LoadedScenes loaded_;
+    std::vector<Setting> settings_;
+    ReferenceCache cache_;
+    Provenance provenance_;
+    ProgressLine progress_;
+    PhaseClock clock_;
+    RunRecord record_;
+    std::set<std::string> done_;  ///< Row::key of finished cells
+    std::unique_ptr<CsvAppender> csv_;
+    std::size_t framesDone_ = 0, cellsBefore_ = 0;
+    int failed_ = 0;
+
+  public:
+    PhaseClock& clock() { return clock_; }
+    RunRecord& record() { return record_; }
+};
+
+std::size_t Run::countFrames() const {
+    std::size_t frames = 0;
+    for (const auto& scene : loaded_.scenes) frames += static_cast<std::size_t>(scene->frameCount());
+    return frames;
+}
+
+void Run::openFolder() {
+    record_.command = options_.command;
+    record_.width = options_.width;
+    record_.height = options_.height;
+    record_.repeats = options_.repeats;
+    record_.seed = options_.seed;
+    record_.reference = options_.reference;
+    record_.referenceSe = options_.referenceSe;
+    record_.provenance = provenance_.pairs();
+    record_.skippedScenes = loaded_.skipped;
+    for (const auto& scene : loaded_.scenes)
+        record_.scenes.push_back({scene->id, scene->shows, scene->figure, scene->source.string(),
+                                  scene->frameCount(), scene->chosen});
+    for (const Setting& s : settings_) record_.settings.push_back({s.name, s.method, s.params});
+
+    const bool used = std::filesystem::exists(folder_.results());
+    if (used && !options_.resume)
+        throw InputError(fmt::format("--out {}: holds a run already; continue it with --resume or "
+                                     "choose another folder",
+                                     folder_.root().string()));
+    if (used) {
+        const RunRecord before = RunRecord::read(folder_.record());
+        if (before.width != record_.width || before.height != record_.height ||
+            before.seed != record_.seed || before.reference != record_.reference ||
+            before.referenceSe != record_.referenceSe)
+            throw InputError(fmt::format(
+                "--resume {}: the run there has --size {}x{} --seed {} --reference {} "
+                "--reference-se {}; a resumed run must have the same",
+                folder_.root().string(), before.width, before.height, before.seed, before.reference,
+                before.referenceSe));
+        record_.references = before.references;
+        // Failed cells are tried again, so their rows go; the file is replaced in one step.
+        std::string kept = csvHeader() + "\n";
+        for (const Row& row : readCsv(folder_.results())) {
+            if (row.status == "failed") continue;
+            done_.insert(row.key());
+            kept += toCsv(row) + "\n";
+        }
+        writeFileAtomically(folder_.results(), kept);
+    }
+    folder_.create();
+    csv_ = std::make_unique<CsvAppender>(folder_.results());
+    writeRecord(false);
+}
+
+void Run::writeRecord(bool finished) {
+    record_.finished = finished;
+    record_.phases = clock_.phases();
+    record_.write(folder_.record());
+}
+
+int Run::cells() {
+    for (const auto& [scene, reason] : loaded_.skipped) progress_.note(reason);
+    for (std::size_t i = 0; i < loaded_.scenes.size(); ++i) runScene(i);
+    csv_.reset();
+    orderRows(folder_, record_);
+    writeRecord(true);
+    clock_.measure("images", [&] { writeArtefacts(folder_); });
+    writeRecord(true);
+    writeSummary(folder_);
+    if (const char* step = std::getenv("GITHUB_STEP_SUMMARY"); step && *step) {
+        std::ifstream summary(folder_.summary());
+        std::ofstream(step, std::ios::app) << summary.rdbuf();
+    }
+    return failed_ ? 3 : 0;
+}
+
+void Run::runScene(std::size_t sceneIndex) {
+    const Scene& scene = *loaded_.scenes[sceneIndex];
+    for (const std::string& choice : scene.chosen)
+        progress_.note(fmt::format("{}: {}", scene.id, choice));
+    std::vector<SettingRun> runs(settings_.begin(), settings_.end());
+    std::shared_ptr<const Geometry> tracedGeometry;
+    std::unique_ptr<Tracer> tracer;
+    const GpuMaterials materials(scene.materials, scene.images);
+    std::unique_ptr<GpuGeometry> gpuGeometry;
+
+    for (int index = 0; index < scene.frameCount(); ++index, ++framesDone_) {
+        std::vector<SettingRun*> pending;
+        for (SettingRun& run : runs) {
+            Row cell;
+            cell.scene = scene.id;
+            cell.frame = index;
+            cell.setting = run.setting().name;
+            if (mine(cellsBefore_++) && !done_.contains(cell.key())) pending.push_back(&run);
+        }
+        if (pending.empty()) continue;
+        progress_.step(framesDone_, fmt::format("{} frame {}", scene.id, index));
+
+        SceneFrame sceneFrame;
+        GBuffer gbuffer;
+        GBufferTextures textures;
+        LightBounds bounds;
+        clock_.measure("frames", [&] {
+            sceneFrame = scene.frame(index);
+            if (sceneFrame.geometry != tracedGeometry) {
+                tracer = std::make_unique<Tracer>(sceneFrame.geometry, scene.materials, scene.images);
+                gpuGeometry = std::make_unique<GpuGeometry>(sceneFrame.geometry, materials);
+                tracedGeometry = sceneFrame.geometry;
+            }
+            gbuffer = renderGBuffer(*tracer, sceneFrame, scene, options_.width, options_.height);
+            textures = uploadGBuffer(gbuffer);
+            bounds = boundLight(sceneFrame.light, gbuffer, *sceneFrame.geometry);
+        });
+        const Frame frame{scene,   index,    sceneFrame.light,    bounds,
+                          sceneFrame.camera, sceneFrame.geometry, *tracer,
+                          gbuffer, textures, *gpuGeometry,        options_.seed};
+        runFrame(scene, frame, pending);
+        writeRecord(false);
+    }
+}
+
+void Run::runFrame(const Scene& scene, const Frame& frame, std::vector<SettingRun*> pending) {
+    const Reference reference =
+        clock_.measure("reference", [&] { return referenceFor(scene, frame); });
+    clock_.measure("images", [&] {
+        folder_.writeTruth(scene.id, frame.index, frame.gbuffer, reference, scene.origin);
+    });
+    const SceneFrame sceneFrame{0.0, frame.geometry, frame.light, frame.camera};
+    const TextureTarget target(frame.width(), frame.height());
+    std::vector<std::pair<Row, std::vector<float>>> finished;
+    clock_.measure("methods", [&] {
+        runCells(frame, options_.effects, effectsCalledFor(scene, sceneFrame), pending,
+                 options_.repeats, target, [&](Row&& row, const std::vector<float>& visibility) {
+                     finished.emplace_back(std::move(row), visibility);
+                 });
+    });
+    for (auto& [row, visibility] : finished) {
+        row.renderer = provenance_.renderer;
+        row.threads = provenance_.threads;
+        row.commit = provenance_.commit;
+        if (row.status == "ok") {
+            row.metrics = clock_.measure(
+                "metrics", [&] { return score(visibility, reference, frame.gbuffer); });
+            clock_.measure("images", [&] {
+                folder_.writeVisibility(scene.id, frame.index, row.setting, visibility, reference);
+            });
+        } else {
+            failed_ += row.status == "failed";
+            progress_.note(fmt::format("{} frame {}: {} {}: {}", scene.id, frame.index, row.setting,
+                                       row.status, row.message));
+        }
+        csv_->add(row);
+    }
+}
+
+Reference Run::referenceFor(const Scene& scene, const Frame& frame) {
+    ReferenceOptions options;
+    options.targetStandardError = options_.referenceSe;
+    options.seed = options_.seed;
+    const auto start = std::chrono::steady_clock::now();
+    const std::string key = ReferenceCache::key(*frame.geometry, scene.materials, scene.images,
+                                                frame.gbuffer, frame.light, options);
+    std::optional<Reference> reference = cache_.load(key, frame.width(), frame.height());
+    const bool cached = reference.has_value();
+    if (!cached) {
+        reference = traceReference(frame.tracer, frame.gbuffer, frame.light, options,
+                                   [&](double fraction) { progress_.within(fraction); });
+        try {
+            cache_.store(key, *reference);
+        } catch (const std::exception& e) {
+            progress_.note(fmt::format("the reference is not cached: {}", e.what()));
+        }
+    }
+    ReferenceStats stats{scene.id, frame.index, reference->totalRays(), 0.0, cached, 0, 0, 0.0};
+    stats.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    for (LightClass c : classifyLight(*reference, frame.gbuffer))
+        stats.penumbraPixels += c == LightClass::penumbra;
+    stats.scoredPixels = frame.gbuffer.count(PixelClass::scored);
+    float most = 0.0f;
+    std::size_t traced = 0;
+    for (float rays : reference->rays) most = std::max(most, rays), traced += rays > 0.0f;
+    stats.uniformEquivalentRays = static_cast<double>(most) * static_cast<double>(traced);
+    std::erase_if(record_.references, [&](const ReferenceStats& s) {
+        return s.scene == stats.scene && s.frame == stats.frame;
+    });
+    record_.references.push_back(stats);
+    return *std::move(reference);
+}
+
+}  // namespace
+
+int compare(const CompareOptions& options) {
+    const int threads =
+        options.threads > 0 ? options.threads
+                            : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                    static_cast<std::size_t>(threads));
+    setenv("LP_NUM_THREADS", std::to_string(threads).c_str(), 1);  // read by llvmpipe
+
+    const auto start = std::chrono::steady_clock::now();
+    std::vector<Setting> settings = expandSettings(options.settings);
+    LoadedScenes loaded = loadScenes(options);
+    const double loadSeconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+
+    const auto context = gl::Context::create(options.context);
+    RunFolder folder(options.out.empty() ? resultsFolder() / utcNow("%Y%m%d-%H%M%S") : options.out);
+    Run run(options, folder, std::move(loaded), std::move(settings), *context, threads);
+    run.clock().add("load", loadSeconds);
+    run.clock().measure("self-test", [&] {
+        const gl::ClockSelfTest test = gl::runClockSelfTest();
+        run.record().fencedClockMs = test.fencedMs;
+        run.record().queryClockMs = test.queryMs;
+        run.record().timerQueriesTrusted = test.timerQueriesTrusted;
+    });
+    run.openFolder();
+    const int code = run.cells();
+    fmt::print("{}\n", std::filesystem::absolute(folder.root()).lexically_normal().string());
+    return code;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,372 @@
+#include "harness/run/row.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <map>
+#include <stdexcept>
+#include <utility>
+
+#include "core/error.hpp"
+
+namespace penumbra {
+
+namespace {
+
+// ---- one field -----------------------------------------------------------------------------
+
+std::string formatField(const std::string& value) {
+    return value;
+}
+std::string formatField(bool value) {
+    return value ? "1" : "0";
+}
+std::string formatField(int value) {
+    return fmt::format("{}", value);
+}
+std::string formatField(std::size_t value) {
+    return fmt::format("{}", value);
+}
+/// fmt's "{}" is the shortest text that reads back as the same double, in the C locale.
+std::string formatField(const std::optional<double>& value) {
+    return value ? fmt::format("{}", *value) : std::string();
+}
+
+template <class Number>
+bool parseNumber(const std::string& text, Number& value) {
+    const char* const end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data(), end, value);
+    return error == std::errc() && stop == end;
+}
+
+/// False if `text` is no such value.
+bool parseField(const std::string& text, std::string& value) {
+    value = text;
+    return true;
+}
+bool parseField(const std::string& text, bool& value) {
+    value = text == "1";
+    return value || text == "0";
+}
+bool parseField(const std::string& text, int& value) {
+    return parseNumber(text, value);
+}
+bool parseField(const std::string& text, std::size_t& value) {
+    return parseNumber(text, value);
+}
+bool parseField(const std::string& text, std::optional<double>& value) {
+    value.reset();
+    return text.empty() || parseNumber(text, value.emplace());
+}
+
+// ---- the columns: name, order, reading and writing, each declared once ------------------------
+
+struct Column {
+    std::string_view name;
+    bool measured;  ///< a count or flag that says nothing unless the cell was measured
+    std::function<std::string(const Row&)> write;
+    std::function<bool(Row&, const std::string&)> read;
+};
+
+template <class Field>
+Column column(std::string_view name, Field field, bool measured = false) {
+    return {name, measured, [field](const Row& row) { return formatField(field(row)); },
+            [field, measured](Row& row, const std::string& text) {
+                return (measured && text.empty()) || parseField(text, field(row));
+            }};
+}
+
+/// A column of the contract that nothing fills yet: read as an optional number and left out.
+Column reserved(std::string_view name) {
+    return {name, false, [](const Row&) { return std::string(); },
+            [](Row&, const std::string& text) {
+                std::optional<double> ignored;
+                return parseField(text, ignored);
+            }};
+}
+
+#define FIELD(member)        \
+    [](auto& row) -> auto& { \
+        return row.member;   \
+    }
+const std::vector<Column>& columns() {
+    static const std::vector<Column> kColumns{
+        column("scene", FIELD(scene)),
+        column("frame", FIELD(frame)),
+        column("method", FIELD(method)),
+        column("setting", FIELD(setting)),
+        column("params", FIELD(params)),
+        column("width", FIELD(width)),
+        column("height", FIELD(height)),
+        column("status", FIELD(status)),
+        column("message", FIELD(message)),
+        column("frame_ms", FIELD(frameMs)),
+        column("frame_ms_low", FIELD(frameMsLow)),
+        column("frame_ms_high", FIELD(frameMsHigh)),
+        column("frame_ms_mad", FIELD(frameMsMad)),
+        column("repeats", FIELD(repeats), true),
+        column("unstable", FIELD(unstable), true),
+        column("build_ms", FIELD(buildMs)),
+        column("shade_ms", FIELD(shadeMs)),
+        column("prepare_ms", FIELD(prepareMs)),
+        column("draw_calls", FIELD(drawCalls)),
+        column("triangles", FIELD(triangles)),
+        column("fragments", FIELD(fragments)),
+        column("maps", FIELD(maps)),
+        column("light_texels", FIELD(lightTexels)),
+        column("texture_mib", FIELD(textureMib)),
+        column("rmse", FIELD(metrics.rmse)),
+        column("mae", FIELD(metrics.mae)),
+        column("bias", FIELD(metrics.bias)),
+        column("p99", FIELD(metrics.p99)),
+        column("max_error", FIELD(metrics.maxError)),
+        reserved("ssim"),
+        reserved("flip"),
+        column("rmse_lit", FIELD(metrics.rmseLit)),
+        column("rmse_penumbra", FIELD(metrics.rmsePenumbra)),
+        column("rmse_umbra", FIELD(metrics.rmseUmbra)),
+        column("leak_rate", FIELD(metrics.leakRate)),
+        column("false_shadow_rate", FIELD(metrics.falseShadowRate)),
+        reserved("noise"),
+        reserved("flicker"),
+        column("scored_pixels", FIELD(metrics.scoredPixels), true),
+        column("horizon_pixels", FIELD(metrics.horizonPixels), true),
+        column("nonfinite", FIELD(metrics.nonfinite), true),
+        column("out_of_range", FIELD(metrics.outOfRange), true),
+        column("reference_se", FIELD(metrics.referenceSe)),
+        column("effects_simulated", FIELD(effectsSimulated)),
+        column("effects_skipped", FIELD(effectsSkipped)),
+        column("effects_missing", FIELD(effectsMissing)),
+        column("renderer", FIELD(renderer)),
+        column("threads", FIELD(threads)),
+        column("commit", FIELD(commit)),
+    };
+    return kColumns;
+}
+#undef FIELD
+
+std::string quoted(const std::string& field) {
+    if (field.find_first_of(",\"\r\n") == std::string::npos) return field;
+    std::string out = "\"";
+    for (const char c : field) {
+        if (c == '"') out += '"';
+        out += c;
+    }
+    return out + '"';
+}
+
+// ---- records ---------------------------------------------------------------------------------
+
+struct Record {
+    std::size_t line = 0;  ///< of the file, from 1, where the record starts
+    std::vector<std::string> fields;
+};
+
+struct Records {
+    std::vector<Record> complete;
+    std::size_t completeBytes = 0;  ///< what follows is a record cut short
+};
+
+/// Splits RFC 4180 text. Only a record with its line end is complete: anything else may have been
+/// cut by a kill, even inside a quoted field that holds a newline.
+Records splitRecords(const std::string& text, const std::string& file) {
+    Records records;
+    std::size_t line = 1;
+    std::size_t pos = 0;
+    while (pos < text.size()) {
+        Record record;
+        record.line = line;
+        std::string field;
+        bool ended = false;
+        while (!ended && pos < text.size()) {
+            if (text[pos] == '"' && field.empty()) {
+                bool open = true;
+                for (++pos; open && pos < text.size(); ++pos) {
+                    if (text[pos] != '"') {
+                        line += text[pos] == '\n';
+                        field += text[pos];
+                    } else if (pos + 1 < text.size() && text[pos + 1] == '"') {
+                        field += text[pos++];
+                    } else {
+                        open = false;
+                    }
+                }
+                if (open || pos == text.size()) break;
+                const bool lineEnd =
+                    text[pos] == '\n' || std::string_view("\r\n").starts_with(text.substr(pos, 2));
+                if (text[pos] != ',' && !lineEnd) {
+                    throw InputError(fmt::format("{}:{}: text after a closing quote in column {}",
+                                                 file, line, record.fields.size() + 1));
+                }
+            }
+            const std::size_t stop = text.find_first_of(",\n", pos);
+            if (stop == std::string::npos) {
+                pos = text.size();
+                break;
+            }
+            std::size_t fieldEnd = stop;
+            ended = text[stop] == '\n';
+            if (ended && stop > pos && text[stop - 1] == '\r') --fieldEnd;
+            field.append(text, pos, fieldEnd - pos);
+            record.fields.push_back(std::exchange(field, {}));
+            pos = stop + 1;
+        }
+        if (!ended) break;
+        ++line;
+        records.complete.push_back(std::move(record));
+        records.completeBytes = pos;
+    }
+    return records;
+}
+
+std::string readText(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    if (!file) throw InputError(fmt::format("{}: {}", path.string(), std::strerror(errno)));
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// A file whose very header was cut short, as by a kill right after its creation.
+bool isTornHeader(const std::string& text) {
+    return (csvHeader() + '\n').starts_with(text);
+}
+
+Row parseRow(const Record& record, const std::vector<std::string>& header,
+             const std::string& file) {
+    if (record.fields.size() != header.size()) {
+        throw InputError(fmt::format("{}:{}: {} fields, expected {}", file, record.line,
+                                     record.fields.size(), header.size()));
+    }
+    static const auto kByName = [] {
+        std::map<std::string_view, const Column*> map;
+        for (const Column& c : columns()) map[c.name] = &c;
+        return map;
+    }();
+    Row row;
+    for (std::size_t i = 0; i < header.size(); ++i) {
+        const auto known = kByName.find(header[i]);
+        if (known == kByName.end()) continue;
+        if (!known->second->read(row, record.fields[i])) {
+            throw InputError(fmt::format("{}:{}: column {}: '{}' is not a number", file,
+                                         record.line, header[i], record.fields[i]));
+        }
+    }
+    return row;
+}
+
+[[noreturn]] void throwErrno(const std::filesystem::path& path, const char* what) {
+    throw std::runtime_error(fmt::format("{}: {}: {}", path.string(), what, std::strerror(errno)));
+}
+
+/// The whole text in one write() and onto the disk. What did not fit is taken back, so that the
+/// rows before it stay readable.
+void appendDurably(int fd, const std::string& text) {
+    const off_t before = ::lseek(fd, 0, SEEK_END);
+    ssize_t written = 0;
+    do {
+        written = ::write(fd, text.data(), text.size());
+    } while (written < 0 && errno == EINTR);
+    if (written != static_cast<ssize_t>(text.size())) {
+        const int error = written < 0 ? errno : ENOSPC;
+        if (written > 0 && ::ftruncate(fd, before) != 0) {
+            throw std::runtime_error("results.csv: cannot take back a row written in part");
+        }
+        throw std::runtime_error(
+            fmt::format("results.csv: cannot append a row: {}", std::strerror(error)));
+    }
+    if (::fdatasync(fd) != 0) {
+        throw std::runtime_error(fmt::format("results.csv: fdatasync: {}", std::strerror(errno)));
+    }
+}
+
+}  // namespace
+
+std::string csvHeader() {
+    std::string header;
+    for (const Column& c : columns()) {
+        if (!header.empty()) header += ',';
+        header += c.name;
+    }
+    return header;
+}
+
+std::string toCsv(const Row& row) {
+    const bool measured = row.status == "ok";
+    std::string line;
+    for (const Column& c : columns()) {
+        if (&c != &columns().front()) line += ',';
+        const std::string field = c.write(row);
+        // "0 non-finite pixels" of a cell that never ran would read as a result.
+        if (c.measured && !measured && field == "0") continue;
+        line += quoted(field);
+    }
+    return line;
+}
+
+std::vector<Row> readCsv(const std::filesystem::path& path) {
+    const std::string file = path.string();
+    const std::string text = readText(path);
+    if (isTornHeader(text)) return {};
+    const Records records = splitRecords(text, file);
+    if (records.complete.empty()) throw InputError(file + ":1: no header line");
+
+    const std::vector<std::string>& header = records.complete.front().fields;
+    for (const Column& c : columns()) {
+        if (std::count(header.begin(), header.end(), c.name) != 1) {
+            throw InputError(fmt::format("{}:1: column {} must occur once; the columns are {}",
+                                         file, c.name, csvHeader()));
+        }
+    }
+    std::vector<Row> rows;
+    for (std::size_t i = 1; i < records.complete.size(); ++i) {
+        rows.push_back(parseRow(records.complete[i], header, file));
+    }
+    return rows;
+}
+
+CsvAppender::CsvAppender(const std::filesystem::path& path) {
+    std::error_code ignored;
+    std::size_t keep = 0;
+    if (std::filesystem::exists(path, ignored)) {
+        const std::string text = readText(path);
+        if (!isTornHeader(text) || text.ends_with('\n')) {
+            const Records records = splitRecords(text, path.string());
+            std::string header;
+            if (!records.complete.empty()) {
+                header = fmt::format("{}", fmt::join(records.complete.front().fields, ","));
+            }
+            if (header != csvHeader()) {
+                throw InputError(fmt::format("{}:1: the columns are not this version's: {}",
+                                             path.string(), csvHeader()));
+            }
+            keep = records.completeBytes;
+        }
+    }
+    fd_ = ::open(path.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, 0644);
+    if (fd_ < 0) throw InputError(fmt::format("{}: {}", path.string(), std::strerror(errno)));
+    try {
+        if (::ftruncate(fd_, static_cast<off_t>(keep)) != 0) throwErrno(path, "cannot cut");
+        if (keep == 0) appendDurably(fd_, csvHeader() + '\n');
+    } catch (...) {
+        ::close(fd_);
+        throw;
+    }
+}
+
+CsvAppender::~CsvAppender() {
+    if (fd_ >= 0) ::close(fd_);
+}
+
+void CsvAppender::add(const Row& row) {
+    appendDurably(fd_, toCsv(row) + '\n');
+}
+
+}  // namespace penumbra

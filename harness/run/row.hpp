@@ -1,0 +1,59 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "harness/metrics/metrics.hpp"
+
+namespace penumbra {
+
+/// One row of results.csv: one cell. Empty optionals are empty fields.
+struct Row {
+    std::string scene;
+    int frame = 0;
+    std::string method, setting, params;
+    int width = 0, height = 0;
+    std::string status = "ok";  ///< ok | failed | unsupported
+    std::string message;
+    std::optional<double> frameMs, frameMsLow, frameMsHigh, frameMsMad;
+    int repeats = 0;
+    bool unstable = false;  ///< the 95 % interval is wider than a fifth of the median
+    std::optional<double> buildMs, shadeMs, prepareMs;
+    std::optional<double> drawCalls, triangles, fragments, maps, lightTexels, textureMib;
+    Metrics metrics;
+    std::string effectsSimulated, effectsSkipped, effectsMissing;
+    std::string renderer;
+    int threads = 0;
+    std::string commit;
+
+    /// What makes a cell: scene, frame and setting.
+    std::string key() const { return scene + '\t' + std::to_string(frame) + '\t' + setting; }
+    bool operator==(const Row&) const = default;
+};
+
+/// Column names in order, joined with commas.
+std::string csvHeader();
+/// One line without the line end; RFC 4180 quoting, C locale.
+std::string toCsv(const Row& row);
+
+/// Reads results.csv. A last line cut short by a kill is dropped; any other malformed line throws
+/// InputError with file:line. Unknown further columns are ignored, missing ones throw.
+std::vector<Row> readCsv(const std::filesystem::path& path);
+
+/// Appends rows to a results.csv so that each is on disk when add() returns.
+class CsvAppender {
+  public:
+    /// Creates the file with its header, or continues an existing one (cutting a torn last line).
+    explicit CsvAppender(const std::filesystem::path& path);
+    ~CsvAppender();
+    CsvAppender(const CsvAppender&) = delete;
+    CsvAppender& operator=(const CsvAppender&) = delete;
+    void add(const Row& row);
+
+  private:
+    int fd_ = -1;
+};
+
+}  // namespace penumbra

@@ -1,0 +1,112 @@
+#include "harness/run/run_folder.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+
+#include "core/error.hpp"
+#include "core/image/image.hpp"
+
+namespace penumbra {
+namespace {
+
+constexpr int kPosition = 0, kNormal = 3, kMask = 6, kAlbedo = 7;
+const std::vector<std::string> kGBufferChannels = {"P.X", "P.Y",  "P.Z",      "N.X",      "N.Y",
+                                                   "N.Z", "mask", "albedo.R", "albedo.G", "albedo.B"};
+
+}  // namespace
+
+std::filesystem::path RunFolder::images(const std::string& scene, int frame) const {
+    return root_ / "images" / scene / fmt::format("{:04d}", frame);
+}
+
+void RunFolder::create() const {
+    std::error_code error;
+    std::filesystem::create_directories(root_, error);
+    if (error)
+        throw InputError(fmt::format("--out {}: {}", root_.string(), error.message()));
+    if (access(root_.c_str(), W_OK) != 0)
+        throw InputError(fmt::format("--out {}: the folder is not writable", root_.string()));
+}
+
+void RunFolder::writeTruth(const std::string& scene, int frame, const GBuffer& gbuffer,
+                           const Reference& reference, const glm::dvec3& origin) const {
+    const std::filesystem::path folder = images(scene, frame);
+    std::filesystem::create_directories(folder);
+    Image g = Image::withChannels(gbuffer.width, gbuffer.height, kGBufferChannels);
+    const std::size_t stride = kGBufferChannels.size();
+    for (std::size_t i = 0; i < gbuffer.size(); ++i) {
+        float* pixel = &g.pixels[i * stride];
+        const glm::dvec3 world = glm::dvec3(gbuffer.position[i]) + origin;
+        const bool surface = gbuffer.mask[i] != PixelClass::background;
+        for (int c = 0; c < 3; ++c) {
+            pixel[kPosition + c] = surface ? static_cast<float>(world[c]) : 0.0f;
+            pixel[kNormal + c] = surface ? gbuffer.geometricNormal[i][c] : 0.0f;
+            pixel[kAlbedo + c] = surface ? gbuffer.albedo[i][c] : 0.0f;
+        }
+        pixel[kMask] = static_cast<float>(gbuffer.mask[i]);
+    }
+    writeExr(folder / "gbuffer.exr", g);
+
+    Image r = Image::withChannels(
+        reference.width, reference.height,
+        {"visibility", "standard_error", "rays", "irradiance", "irradiance_unshadowed"});
+    r.setChannel("visibility", reference.visibility);
+    r.setChannel("standard_error", reference.standardError);
+    r.setChannel("rays", reference.rays);
+    r.setChannel("irradiance", reference.irradiance);
+    r.setChannel("irradiance_unshadowed", reference.irradianceUnshadowed);
+    writeExr(folder / "reference.exr", r);
+}
+
+void RunFolder::writeVisibility(const std::string& scene, int frame, const std::string& setting_,
+                                const std::vector<float>& visibility,
+                                const Reference& reference) const {
+    Image image = Image::withChannels(reference.width, reference.height, {"visibility", "error"});
+    for (std::size_t i = 0; i < visibility.size(); ++i) {
+        image.pixels[2 * i] = visibility[i];
+        image.pixels[2 * i + 1] = visibility[i] - reference.visibility[i];
+    }
+    writeExr(setting(scene, frame, setting_), image);
+}
+
+GBuffer RunFolder::readGBuffer(const std::string& scene, int frame) const {
+    const Image image = readImage(images(scene, frame) / "gbuffer.exr");
+    GBuffer g;
+    g.width = image.width;
+    g.height = image.height;
+    const auto vectors = [&](int first) {
+        const auto name = [&](int i) { return kGBufferChannels[static_cast<std::size_t>(first + i)]; };
+        const auto x = image.channel(name(0)), y = image.channel(name(1)), z = image.channel(name(2));
+        std::vector<glm::vec3> out(x.size());
+        for (std::size_t i = 0; i < out.size(); ++i) out[i] = {x[i], y[i], z[i]};
+        return out;
+    };
+    g.position = vectors(kPosition);
+    g.geometricNormal = g.shadingNormal = vectors(kNormal);
+    g.albedo = vectors(kAlbedo);
+    for (float m : image.channel("mask")) g.mask.push_back(static_cast<PixelClass>(m));
+    g.irradianceUnshadowed =
+        readImage(images(scene, frame) / "reference.exr").channel("irradiance_unshadowed");
+    return g;
+}
+
+Reference RunFolder::readReference(const std::string& scene, int frame) const {
+    const Image image = readImage(images(scene, frame) / "reference.exr");
+    Reference r;
+    r.width = image.width;
+    r.height = image.height;
+    r.visibility = image.channel("visibility");
+    r.standardError = image.channel("standard_error");
+    r.rays = image.channel("rays");
+    r.irradiance = image.channel("irradiance");
+    r.irradianceUnshadowed = image.channel("irradiance_unshadowed");
+    return r;
+}
+
+std::vector<float> RunFolder::readVisibility(const std::string& scene, int frame,
+                                             const std::string& name) const {
+    return readImage(setting(scene, frame, name)).channel("visibility");
+}
+
+}  // namespace penumbra

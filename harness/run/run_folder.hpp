@@ -1,0 +1,50 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/frame/gbuffer.hpp"
+#include "harness/reference/reference.hpp"
+
+namespace penumbra {
+
+/// Names and images of a run folder (DESIGN.md section 10; the layout is in docs/ARCHITECTURE.md).
+class RunFolder {
+  public:
+    explicit RunFolder(std::filesystem::path root) : root_(std::move(root)) {}
+
+    const std::filesystem::path& root() const { return root_; }
+    std::filesystem::path record() const { return root_ / "run.json"; }
+    std::filesystem::path results() const { return root_ / "results.csv"; }
+    std::filesystem::path summary() const { return root_ / "summary.md"; }
+    std::filesystem::path grid(const std::string& scene) const {
+        return root_ / "grid" / (scene + ".png");
+    }
+    /// images/<scene>/<frame as 0000>
+    std::filesystem::path images(const std::string& scene, int frame) const;
+    std::filesystem::path setting(const std::string& scene, int frame,
+                                  const std::string& name) const {
+        return images(scene, frame) / (name + ".exr");
+    }
+
+    /// Makes the folder, or throws InputError if that is not possible or it cannot be written to.
+    void create() const;
+
+    /// gbuffer.exr and reference.exr; positions are written in world metres, `origin` added.
+    void writeTruth(const std::string& scene, int frame, const GBuffer& gbuffer,
+                    const Reference& reference, const glm::dvec3& origin) const;
+    void writeVisibility(const std::string& scene, int frame, const std::string& setting,
+                         const std::vector<float>& visibility, const Reference& reference) const;
+
+    /// What writeTruth wrote of a G-buffer; positions stay in world metres, rounded to float.
+    GBuffer readGBuffer(const std::string& scene, int frame) const;
+    Reference readReference(const std::string& scene, int frame) const;
+    std::vector<float> readVisibility(const std::string& scene, int frame,
+                                      const std::string& setting) const;
+
+  private:
+    std::filesystem::path root_;
+};
+
+}  // namespace penumbra

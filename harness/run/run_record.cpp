@@ -1,0 +1,89 @@
+#include "harness/run/run_record.hpp"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "core/error.hpp"
+#include "harness/run/files.hpp"
+
+namespace penumbra {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json pairsToJson(const std::vector<std::pair<std::string, std::string>>& pairs) {
+    Json object = Json::object();
+    for (const auto& [key, value] : pairs) object[key] = value;
+    return object;
+}
+
+std::vector<std::pair<std::string, std::string>> pairsFromJson(const Json& object) {
+    std::vector<std::pair<std::string, std::string>> pairs;
+    for (const auto& [key, value] : object.items()) pairs.emplace_back(key, value.get<std::string>());
+    return pairs;
+}
+
+}  // namespace
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RunRecord::SceneEntry, id, shows, figure, source, frames, chosen)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RunRecord::SettingEntry, name, method, params)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ReferenceStats, scene, frame, rays, seconds, cached,
+                                   penumbraPixels, scoredPixels, uniformEquivalentRays)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PhaseTime, name, seconds)
+
+void RunRecord::write(const std::filesystem::path& path) const {
+    Json j;
+    j["command"] = command;
+    j["finished"] = finished;
+    j["width"] = width;
+    j["height"] = height;
+    j["repeats"] = repeats;
+    j["seed"] = seed;
+    j["reference"] = reference;
+    j["reference_se"] = referenceSe;
+    j["provenance"] = pairsToJson(provenance);
+    j["clock_self_test"] = {{"fenced_ms", fencedClockMs},
+                            {"timer_query_ms", queryClockMs},
+                            {"timer_queries_trusted", timerQueriesTrusted}};
+    j["scenes"] = nlohmann::json(scenes);
+    j["settings"] = nlohmann::json(settings);
+    j["references"] = nlohmann::json(references);
+    j["phases"] = nlohmann::json(phases);
+    j["skipped_scenes"] = pairsToJson(skippedScenes);
+    writeFileAtomically(path, j.dump(2) + "\n");
+}
+
+RunRecord RunRecord::read(const std::filesystem::path& path) {
+    std::ifstream file(path);
+    if (!file) throw InputError(fmt::format("{}: not a run folder, cannot be read", path.string()));
+    try {
+        const Json j = Json::parse(file);
+        RunRecord r;
+        j.at("command").get_to(r.command);
+        j.at("finished").get_to(r.finished);
+        j.at("width").get_to(r.width);
+        j.at("height").get_to(r.height);
+        j.at("repeats").get_to(r.repeats);
+        j.at("seed").get_to(r.seed);
+        j.at("reference").get_to(r.reference);
+        j.at("reference_se").get_to(r.referenceSe);
+        r.provenance = pairsFromJson(j.at("provenance"));
+        const Json& clock = j.at("clock_self_test");
+        clock.at("fenced_ms").get_to(r.fencedClockMs);
+        clock.at("timer_query_ms").get_to(r.queryClockMs);
+        clock.at("timer_queries_trusted").get_to(r.timerQueriesTrusted);
+        const nlohmann::json lists = j;
+        lists.at("scenes").get_to(r.scenes);
+        lists.at("settings").get_to(r.settings);
+        lists.at("references").get_to(r.references);
+        lists.at("phases").get_to(r.phases);
+        r.skippedScenes = pairsFromJson(j.at("skipped_scenes"));
+        return r;
+    } catch (const nlohmann::json::exception& e) {
+        throw InputError(fmt::format("{}: {}", path.string(), e.what()));
+    }
+}
+
+}  // namespace penumbra

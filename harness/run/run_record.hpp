@@ -1,0 +1,44 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "harness/report/summary.hpp"
+
+namespace penumbra {
+
+/// run.json: what a run is, apart from its rows.
+struct RunRecord {
+    struct SceneEntry {
+        std::string id, shows, figure, source;
+        int frames = 0;
+        std::vector<std::string> chosen;  ///< what was placed because the input did not say
+    };
+    struct SettingEntry {
+        std::string name, method, params;
+    };
+
+    std::string command;  ///< as typed
+    bool finished = false;
+    int width = 0, height = 0, repeats = 0;
+    unsigned seed = 0;
+    double referenceSe = 0.0;
+    std::string reference = "embree";
+    std::vector<std::pair<std::string, std::string>> provenance;
+    std::vector<SceneEntry> scenes;      ///< in order of the suite
+    std::vector<SettingEntry> settings;  ///< in order of the columns
+    std::vector<ReferenceStats> references;
+    std::vector<PhaseTime> phases;
+    std::vector<std::pair<std::string, std::string>> skippedScenes;
+    double fencedClockMs = 0.0, queryClockMs = 0.0;  ///< the clock self-test
+    bool timerQueriesTrusted = false;
+
+    /// Written to a temporary name and renamed.
+    void write(const std::filesystem::path& path) const;
+    /// Throws InputError with the file and what is wrong.
+    static RunRecord read(const std::filesystem::path& path);
+};
+
+}  // namespace penumbra

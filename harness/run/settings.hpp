@@ -1,0 +1,34 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "methods/shadow_method.hpp"
+
+namespace penumbra {
+
+/// One method with one full set of parameter values.
+struct Setting {
+    std::string method;
+    std::string name;         ///< the id at defaults, else `<id>-<8 hex of its parameters>`
+    std::string params;       ///< Parameters::text of the full set
+    Assignments assignments;  ///< what differs from the defaults
+
+    /// A fresh instance with the assignments applied.
+    std::unique_ptr<ShadowMethod> make() const;
+};
+
+/// What the command line says about settings.
+struct SettingChoice {
+    std::vector<std::string> methods;  ///< ids; empty: all registered
+    std::vector<std::string> sets;     ///< "ID.P=V": applies to every setting of method ID
+    std::vector<std::string> sweeps;   ///< "ID.P=V1,V2": one setting per value, crossed with others of ID
+    bool ladder = false;               ///< every method's ladder instead of its defaults
+};
+
+/// Every setting asked for, without repetition, in the order of the methods. Throws InputError for an
+/// unknown method (a --set or --sweep for a method that is not run included), parameter or value.
+std::vector<Setting> expandSettings(const SettingChoice& choice);
+
+}  // namespace penumbra

@@ -1,0 +1,63 @@
+// Hard shadows: one shadow map from the light's centre, one nearest comparison per pixel
+// (METHODS.md 1). The light's extent is ignored, so every penumbra is wrong by up to one half; it is
+// the baseline for cost and the limit that every soft method must reach as the light shrinks. Edges
+// show the map's texels.
+
+#include "core/gl/program.hpp"
+#include "core/passes/depth_pass.hpp"
+#include "methods/shadow_method.hpp"
+
+namespace penumbra {
+namespace {
+
+class Hard : public ShadowMethod {
+    IntParameter mapSize_{this, "map_size", 1024, 16, 16384, "texels", "side of the shadow map"};
+    FloatParameter bias_{this, "bias", 0.5, 0.0, 64.0, "texels",
+                         "how far towards the light a receiver is moved before the comparison, in "
+                         "texel footprints at its depth"};
+
+  public:
+    Traits traits() const override {
+        return {{Effect::self_shadow, Effect::thin_casters, Effect::layered_casters,
+                 Effect::alpha_mask, Effect::moving_light, Effect::moving_casters,
+                 Effect::moving_camera}};
+    }
+
+    std::vector<Assignments> ladder() const override {
+        return {{{"map_size", "256"}},
+                {{"map_size", "512"}},
+                {{"map_size", "1024"}},
+                {{"map_size", "2048"}},
+                {{"map_size", "4096"}}};
+    }
+
+    void prepare(const Scene&, const Plan& plan) override {
+        depth_ = DepthPass(plan.has(Effect::alpha_mask));
+        program_ = gl::Program::graphics("hard.glsl");
+    }
+
+    void build(const Frame& frame, const Plan&) override {
+        depth_.render(frame, LightView::fit(frame, glm::dvec2(0.0), mapSize_), mapSize_);
+    }
+
+    void shade(const Frame& frame, const Plan&, const VisibilityTarget& target) override {
+        const gl::DebugGroup group("hard: compare");
+        program_.use();
+        depth_.bind(program_, 0);
+        program_.set("biasTexels", static_cast<float>(bias_));
+        target.draw(program_, frame.gbufferTextures);
+    }
+
+    WorkCounters counters() const override {
+        return {depth_.map().layers(), depth_.texels(), depth_.map().mebibytes(), ""};
+    }
+
+  private:
+    DepthPass depth_;
+    gl::Program program_;
+};
+
+const Register<Hard> entry{"hard", "Hard shadow map", "Williams 1978"};
+
+}  // namespace
+}  // namespace penumbra
