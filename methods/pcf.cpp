@@ -19,9 +19,9 @@ class Pcf : public ShadowMethod {
                              "taps at the cell centres of a k x k grid, k^2 the greatest square not "
                              "above taps, over the kernel's rectangle; or on its inscribed Vogel disc"};
     IntParameter taps_{this, "taps", 49, 1, 1024, "", "comparisons per pixel"};
-    FloatParameter kernel_{this, "kernel", 0.5, 0.0, 4.0, "light sizes",
+    FloatParameter kernel_{this, "kernel", 0.25, 0.0, 4.0, "light sizes",
                            "kernel width at the receiver over the light's width, each axis apart: "
-                           "0.5 fits casters a third of the way up from receiver to light"};
+                           "0.25 fits casters a fifth of the way up from receiver to light"};
     FloatParameter bias_{this, "bias", 0.5, 0.0, 64.0, "texels",
                          "how far towards the light a receiver is moved before the comparison, in "
                          "texel footprints at its depth"};

@@ -8,19 +8,20 @@
 #include <stdexcept>
 #include <string>
 
+#include "core/trace/alpha_mask.hpp"
+
 namespace penumbra {
 
 namespace {
 
 constexpr unsigned kOpaqueGeometry = 0, kMaskedGeometry = 1;
 
-/// What an alpha-masked material's rays must ask of its texture.
+/// The triangles of alpha-masked materials, in the order of Embree's primitives.
 struct MaskedTriangles {
     const Geometry& geometry;
-    const std::vector<Material>& materials;
-    const std::vector<TextureImage>& images;
-    std::vector<std::uint32_t> triangles;  ///< geometry's triangle of each Embree primitive
-    std::vector<int> material;             ///< of each Embree primitive
+    std::vector<AlphaMask> masks;
+    std::vector<std::uint32_t> triangles;  ///< the geometry's
+    std::vector<std::uint32_t> maskOf;     ///< index into `masks`
 };
 
 glm::vec2 interpolatedUv(const Geometry& geometry, std::uint32_t triangle, float u, float v) {
@@ -35,11 +36,10 @@ void alphaFilter(const RTCFilterFunctionNArguments* args) {
     for (unsigned i = 0; i < args->N; ++i) {
         if (args->valid[i] == 0) continue;
         const unsigned primitive = RTCHitN_primID(args->hit, args->N, i);
-        const Material& material = masked.materials[masked.material[primitive]];
         const glm::vec2 uv =
             interpolatedUv(masked.geometry, masked.triangles[primitive],
                            RTCHitN_u(args->hit, args->N, i), RTCHitN_v(args->hit, args->N, i));
-        if (baseColorAt(material, masked.images, uv).a < material.alphaCutoff) args->valid[i] = 0;
+        if (!masked.masks[masked.maskOf[primitive]].present(uv)) args->valid[i] = 0;
     }
 }
 
@@ -58,7 +58,6 @@ constexpr float kOffsetUlps = 16.0f;
 
 struct Tracer::Impl {
     std::shared_ptr<const Geometry> geometry;
-    const std::vector<Material>& materials;
     MaskedTriangles masked;
     std::vector<std::uint32_t> opaqueTriangles;
     Bounds bounds;
@@ -66,11 +65,8 @@ struct Tracer::Impl {
     RTCDevice device = nullptr;
     RTCScene scene = nullptr;
 
-    Impl(std::shared_ptr<const Geometry> shape, const std::vector<Material>& sceneMaterials,
-         const std::vector<TextureImage>& images)
-        : geometry(std::move(shape)),
-          materials(sceneMaterials),
-          masked{*geometry, materials, images, {}, {}} {}
+    explicit Impl(std::shared_ptr<const Geometry> shape)
+        : geometry(std::move(shape)), masked{*geometry, {}, {}, {}} {}
     ~Impl() {
         if (scene) rtcReleaseScene(scene);
         if (device) rtcReleaseDevice(device);
@@ -111,18 +107,22 @@ struct Tracer::Impl {
 
 Tracer::Tracer(std::shared_ptr<const Geometry> geometry, const std::vector<Material>& materials,
                const std::vector<TextureImage>& images)
-    : impl_(std::make_unique<Impl>(std::move(geometry), materials, images)) {
+    : impl_(std::make_unique<Impl>(std::move(geometry))) {
     Impl& impl = *impl_;
     const Geometry& shape = *impl.geometry;
-    for (const Part& part : shape.parts)
+    for (const Part& part : shape.parts) {
+        const Material& material = materials[part.material];
+        const auto mask = static_cast<std::uint32_t>(impl.masked.masks.size());
+        if (material.masked) impl.masked.masks.emplace_back(material, images);
         for (std::uint32_t i = part.firstIndex; i < part.firstIndex + part.indexCount; i += 3) {
-            if (materials[part.material].masked) {
+            if (material.masked) {
                 impl.masked.triangles.push_back(i / 3);
-                impl.masked.material.push_back(part.material);
+                impl.masked.maskOf.push_back(mask);
             } else {
                 impl.opaqueTriangles.push_back(i / 3);
             }
         }
+    }
     impl.bounds = boundsOf(shape.positions);
     double greatest = 0.0;
     if (!impl.bounds.empty()) {

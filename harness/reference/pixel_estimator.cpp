@@ -20,7 +20,9 @@ constexpr int kMaxSilhouetteCells = kCells * 2 / 5;
 // where the pilot's grid resolves the silhouettes and where it does not.
 constexpr int kConfirmPoints = 16;
 constexpr int kConfirmPointsUnresolved = 32;
-constexpr int kUnresolvedRings = 2;
+constexpr int kUnresolvedRings = 3;
+// Less than one in this many counts as rare.
+constexpr int kRareShare = 64;
 constexpr int kMinWholeLightPoints = 32;
 // Squared error of n net points in a unit square crossed by one edge: 0.36^2 n^-3/2 (METHODS.md
 // R4).
@@ -151,8 +153,10 @@ struct BitGrid {
 /// What differs from what in a grid of rays' answers.
 template <int n>
 struct Silhouette {
-    BitGrid<n> cells;      ///< those with a neighbour of the other kind
-    bool resolved = true;  ///< no cell is alone of its kind: else others like it were likely missed
+    BitGrid<n> cells;  ///< those with a neighbour of the other kind
+    /// No cell is alone of its kind, and neither kind is rare: else there are features finer than
+    /// the grid, and likely more of them that it missed.
+    bool resolved = true;
 
     explicit Silhouette(const BitGrid<n>& lit) {
         const BitGrid<n> dark = lit.complement();
@@ -162,6 +166,7 @@ struct Silhouette {
             resolved &=
                 ((lit.row[y] & ~besideLit.row[y]) | (dark.row[y] & ~besideDark.row[y])) == 0;
         }
+        resolved &= std::min(lit.count(), dark.count()) * kRareShare > n * n;
     }
 };
 

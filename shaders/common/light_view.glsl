@@ -37,23 +37,25 @@ LightPoint lightPoint(vec3 position, vec3 normal) {
     point.zM = l.z;
     point.uv = (l.xy / l.z - tangents.xy) * tangents.zw;
     point.s = near / l.z;
-    // Plane n.l = k, so 1/z = (n.x t.x + n.y t.y + n.z) / k. Where the centre is below the receiver's
-    // horizon (k <= 0) the plane says nothing about what the centre sees.
+    // Plane n.l = k, so 1/z = (n.x t.x + n.y t.y + n.z) / k; k < 0 where the receiver faces the light.
+    // Where the centre is below its horizon the plane says nothing about what the centre sees.
     vec3 n = tileAxes[point.tile] * normal;
     float k = dot(n, l);
-    point.gradient = k > 0.0 ? near * n.xy / (k * tangents.zw) : vec2(0.0);
+    point.gradient = k < 0.0 ? near * n.xy / (k * tangents.zw) : vec2(0.0);
     point.biasScale = 1.0 + biasTexels / (float(mapSize) * min(tangents.z, tangents.w));
     return point;
 }
 
 // Hard visibility of the receiver at `uv`, its plane followed to the very place where the nearest
-// texel was sampled, so that a plane of any slope never shadows itself. Outside the map: lit.
+// texel was sampled, so that a plane of any slope never shadows itself. Where the plane recedes from
+// the light, casters between it and the receiver's own depth do not count either: no way from the
+// receiver to the light leads past them. Outside the map: lit.
 float litAt(LightPoint point, vec2 uv) {
     ivec2 texel = ivec2(floor(uv * float(mapSize)));
     if (any(lessThan(texel, ivec2(0))) || any(greaterThanEqual(texel, ivec2(mapSize)))) return 1.0;
     vec2 centre = (vec2(texel) + 0.5) / float(mapSize);
-    float receiver = (point.s + dot(point.gradient, centre - point.uv)) * point.biasScale;
+    float rise = max(dot(point.gradient, centre - point.uv), 0.0);
     float caster = texelFetch(shadowMap, ivec3(texel, point.tile), 0).r;
-    return caster <= max(receiver, 0.0) ? 1.0 : 0.0;
+    return caster <= (point.s + rise) * point.biasScale ? 1.0 : 0.0;
 }
 #endif
