@@ -39,6 +39,18 @@ std::string oneLine(std::string text) {
     return text;
 }
 
+/// CLI11 says only that a subcommand is required; this says which there are.
+void requireSubcommand(const CLI::App& app, int argc, char** argv) {
+    if (argc > 1 && argv[1][0] == '-') return;
+    std::string names;
+    for (const CLI::App* command : app.get_subcommands({})) {
+        if (argc > 1 && command->get_name() == argv[1]) return;
+        names += (names.empty() ? "" : ", ") + command->get_name();
+    }
+    throw InputError(argc > 1 ? fmt::format("unknown subcommand '{}'; valid are {}", argv[1], names)
+                              : "a subcommand is required: " + names);
+}
+
 }  // namespace
 
 int runCommandLine(int argc, char** argv) {
@@ -52,6 +64,7 @@ int runCommandLine(int argc, char** argv) {
     addReportCommand(app, action);
     addMergeCommand(app, action);
     try {
+        requireSubcommand(app, argc, argv);
         app.parse(argc, argv);
         return action();
     } catch (const CLI::ParseError& e) {

@@ -15,12 +15,13 @@ constexpr int kCoarseGrid = ReplicateTables::kCoarseGrid;
 constexpr int kCoarseCells = kCoarseGrid * kCoarseGrid;
 
 // More cells than this and sampling only them saves too little to pay for the confirmation.
-constexpr int kMaxSilhouetteCells = kCells * 2 / 5;
+constexpr int kMaxSilhouetteCells = kCells * 3 / 5;
 // Confirming rays per replicate over the whole light (those in silhouette cells are left out),
 // where the pilot's grid resolves the silhouettes and where it does not.
 constexpr int kConfirmPoints = 16;
 constexpr int kConfirmPointsUnresolved = 32;
 constexpr int kUnresolvedRings = 3;
+constexpr int kConfirmAttempts = 2;
 // Less than one in this many counts as rare.
 constexpr int kRareShare = 64;
 constexpr int kMinWholeLightPoints = 32;
@@ -137,6 +138,12 @@ struct BitGrid {
                 if ((row[y] >> x) & 1u) result.set({x / 2, y / 2});
         return result;
     }
+    /// This grid's cells and all within `rings` of them.
+    BitGrid grown(int rings) const {
+        BitGrid result = *this;
+        for (int ring = 0; ring < rings; ++ring) result = result | result.beside();
+        return result;
+    }
     /// The cells that have one of this grid's among their eight neighbours.
     BitGrid beside() const {
         BitGrid result;
@@ -228,9 +235,7 @@ class PixelEstimator::Pilot {
             more = wanted.count() > 0;
         }
         // What slips through the grid here and there, a wire say, is near where it does not.
-        if (!resolved)
-            for (int ring = 0; ring < kUnresolvedRings; ++ring)
-                silhouette = silhouette | silhouette.beside();
+        if (!resolved) silhouette = silhouette.grown(kUnresolvedRings);
         for (int y = 0; y < kGrid; ++y) {
             crossings += std::popcount((lit.row[y] ^ (lit.row[y] >> 1)) & 0x7fffffffu);
             if (y + 1 < kGrid) crossings += std::popcount(lit.row[y] ^ lit.row[y + 1]);
@@ -335,39 +340,45 @@ PixelEstimate PixelEstimator::adaptive(LightProbe& probe, std::uint32_t seed) co
         return {value, 3.0 / kCoarseCells, value, kCoarseCells, true};
     }
     int rays = pilot.rays();
-    if (pilot.silhouette.count() <= kMaxSilhouetteCells && confirms(probe, seed, pilot, rays))
-        return alongSilhouette(probe, seed, pilot, rays);
+    for (std::uint32_t attempt = 0; attempt < kConfirmAttempts; ++attempt)
+        if (pilot.silhouette.count() > kMaxSilhouetteCells)
+            break;
+        else if (confirm(probe, hash(seed, kConfirmSalt, attempt), pilot, rays))
+            return alongSilhouette(probe, seed, pilot, rays);
     const int points = ReplicateTables::roundUp(predictPoints(pilot.crossings));
     return wholeLight(probe, seed, std::max(kMinWholeLightPoints, points), rays, true);
 }
 
-bool PixelEstimator::confirms(LightProbe& probe, std::uint32_t seed, const Pilot& pilot,
-                              int& rays) const {
+bool PixelEstimator::confirm(LightProbe& probe, std::uint32_t seed, Pilot& pilot, int& rays) const {
     LightBatch batch;
-    std::array<bool, LightBatch::kCapacity> expected;
-    const auto agrees = [&] {
+    std::array<Cell, LightBatch::kCapacity> cells;
+    BitGrid<kGrid> refuted;
+    const auto flush = [&] {
         probe.look(batch);
         rays += static_cast<int>(batch.size);
-        bool all = true;
-        for (std::size_t i = 0; i < batch.size; ++i) all &= (batch.visible[i] != 0) == expected[i];
+        for (std::size_t i = 0; i < batch.size; ++i)
+            if ((batch.visible[i] != 0) != pilot.lit[cells[i]]) refuted.set(cells[i]);
         batch.size = 0;
-        return all;
     };
     const int points =
         std::min(tables_.size(), pilot.resolved ? kConfirmPoints : kConfirmPointsUnresolved);
     for (int r = 0; r < kReplicates; ++r) {
-        const Shift shift(hash(seed, kConfirmSalt, r));
+        const Shift shift(hash(seed, r));
         for (int i = 0; i < points; ++i) {
             const SobolPoint p = shift(tables_.overLight(r)[i]);
             const Cell cell = Cell::of(p);
             if (pilot.silhouette[cell]) continue;
-            expected[batch.size] = pilot.lit[cell];
             batch.s[batch.size] = toUnitFloat(p.x);
             batch.t[batch.size] = toUnitFloat(p.y);
-            if (++batch.size == LightBatch::kCapacity && !agrees()) return false;
+            cells[batch.size] = cell;
+            if (++batch.size == LightBatch::kCapacity) flush();
         }
     }
-    return agrees();
+    flush();
+    if (refuted.count() == 0) return true;
+    pilot.resolved = false;
+    pilot.silhouette = pilot.silhouette | refuted.grown(kUnresolvedRings);
+    return false;
 }
 
 PixelEstimate PixelEstimator::alongSilhouette(LightProbe& probe, std::uint32_t seed,

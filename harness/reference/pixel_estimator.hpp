@@ -97,7 +97,9 @@ class PixelEstimator {
     struct Sums;
     class Collector;
 
-    bool confirms(LightProbe& probe, std::uint32_t seed, const Pilot& pilot, int& rays) const;
+    /// Whether fresh rays see what the pilot says off the silhouettes. Where they do not, the
+    /// silhouettes grow by the surroundings, and may be confirmed by another seed.
+    bool confirm(LightProbe& probe, std::uint32_t seed, Pilot& pilot, int& rays) const;
     PixelEstimate alongSilhouette(LightProbe& probe, std::uint32_t seed, const Pilot& pilot,
                                   int raysSpent) const;
     PixelEstimate wholeLight(LightProbe& probe, std::uint32_t seed, int points, int raysSpent,

@@ -10,8 +10,8 @@
 
 namespace penumbra {
 
-void SettingRun::warmUp(const Frame& frame, const Plan& plan, const TextureTarget& target,
-                        Row& row) {
+void SettingRun::warmUp(const Frame& frame, const Plan& plan, bool keepMaps,
+                        const TextureTarget& target, Row& row) {
     if (!method_ || !(plan_ == plan)) {
         method_ = setting_.make();
         builtFor_.reset();
@@ -21,16 +21,16 @@ void SettingRun::warmUp(const Frame& frame, const Plan& plan, const TextureTarge
         gl::checkErrors(setting_.name + ": prepare");
         plan_ = plan;
     }
-    const BuiltFor now{frame.geometry, frame.light, frame.lightBounds};
-    kept_ = builtFor_ && *builtFor_ == now;
-    builtFor_.reset();
+    const LightInputs now{frame.geometry, frame.light, frame.lightBounds};
+    kept_ = keepMaps;
+    if (kept_ && builtFor_ != now) method_->build(frame, plan_);
+    builtFor_ = now;
     target.poison();
     gl::WorkCounter counter;
     if (!kept_) method_->build(frame, plan_);
     method_->shade(frame, plan_, target);
     const gl::Work work = counter.stop();
     gl::checkErrors(setting_.name);
-    builtFor_ = now;
     visibility_ = target.read();
 
     const WorkCounters own = method_->counters();
@@ -60,8 +60,8 @@ SettingRun::Sample SettingRun::timed(const Frame& frame, const TextureTarget& ta
     return sample;
 }
 
-void runCells(const Frame& frame, const EffectChoice& effects, const EffectSet& calledFor,
-              std::vector<SettingRun*> runs, int repeats, const TextureTarget& target,
+void runCells(const Frame& frame, const CellOptions& options, const std::vector<SettingRun*>& runs,
+              const TextureTarget& target,
               const std::function<void(Row&&, const std::vector<float>&)>& done) {
     struct Cell {
         SettingRun* run;
@@ -80,6 +80,7 @@ void runCells(const Frame& frame, const EffectChoice& effects, const EffectSet& 
             cell.row.message = e.what();
         }
         gl::takeErrors();
+        cell.run->forget();
         done(std::move(cell.row), {});
         return false;
     };
@@ -96,16 +97,17 @@ void runCells(const Frame& frame, const EffectChoice& effects, const EffectSet& 
         cell.row.height = frame.height();
         if (guarded(cell, [&] {
                 const auto method = run->setting().make();
-                const Plan plan = planFor(effects, calledFor, method->traits().simulates);
+                const Plan plan = planFor(options.effects, options.calledFor,
+                                          method->traits().simulates);
                 cell.row.effectsSimulated = plan.simulated.text();
                 cell.row.effectsSkipped = plan.skipped.text();
                 cell.row.effectsMissing = plan.missing.text();
-                run->warmUp(frame, plan, target, cell.row);
+                run->warmUp(frame, plan, options.keepMaps, target, cell.row);
             }))
             cells.push_back(std::move(cell));
     }
 
-    for (int round = 0; round < repeats; ++round) {
+    for (int round = 0; round < options.repeats; ++round) {
         std::vector<std::pair<std::uint32_t, std::size_t>> order;
         for (std::size_t i = 0; i < cells.size(); ++i)
             order.emplace_back(hash(frame.seed, static_cast<std::uint32_t>(round),

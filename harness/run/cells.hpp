@@ -13,16 +13,25 @@
 
 namespace penumbra {
 
+/// What light-space work depends on.
+struct LightInputs {
+    std::shared_ptr<const Geometry> geometry;
+    AreaLight light;
+    LightBounds bounds;
+    bool operator==(const LightInputs&) const = default;
+};
+
 /// One setting's method through the frames of one scene, with what its light-space maps were built
-/// for, so that a frame in which none of that changed keeps them.
+/// for.
 class SettingRun {
   public:
     explicit SettingRun(const Setting& setting) : setting_(setting) {}
 
     const Setting& setting() const { return setting_; }
     /// Makes the frame's image once, counting the work, before any timing: prepares the method if
-    /// its plan changed, builds unless the maps can be kept. Throws what the method throws.
-    void warmUp(const Frame& frame, const Plan& plan, const TextureTarget& target, Row& row);
+    /// its plan changed, builds unless the maps are kept. Throws what the method throws.
+    void warmUp(const Frame& frame, const Plan& plan, bool keepMaps, const TextureTarget& target,
+                Row& row);
     /// One timed frame; milliseconds of build (0 when kept) and shade.
     struct Sample {
         double buildMs = 0.0, shadeMs = 0.0;
@@ -30,29 +39,36 @@ class SettingRun {
     Sample timed(const Frame& frame, const TextureTarget& target);
     const std::vector<float>& visibility() const { return visibility_; }
     bool kept() const { return kept_; }
+    /// Drops the method, which a failure may have left in any state.
+    void forget() { method_.reset(); }
 
   private:
-    struct BuiltFor {
-        std::shared_ptr<const Geometry> geometry;
-        AreaLight light;
-        LightBounds bounds;
-        bool operator==(const BuiltFor&) const = default;
-    };
     const Setting& setting_;
     std::unique_ptr<ShadowMethod> method_;
-    std::optional<BuiltFor> builtFor_;
+    std::optional<LightInputs> builtFor_;
     Plan plan_;
     double prepareMs_ = 0.0;
     bool kept_ = false;
     std::vector<float> visibility_;
 };
 
-/// Runs every setting in `runs` on one frame: a warm-up each, then `repeats` rounds in an order drawn
-/// anew for each round, so that drift of the machine hits all alike. A setting that throws gets a
+/// What a frame's cells are run with.
+struct CellOptions {
+    EffectChoice effects;
+    EffectSet calledFor;
+    /// The frame has the light inputs of the one before it: building is no part of its cost. That is
+    /// a fact of the scene, not of what this process did before, so that resumed and sharded runs
+    /// report the same as whole ones.
+    bool keepMaps = false;
+    int repeats = 5;
+};
+
+/// Runs every setting in `runs` on one frame: a warm-up each, then the repeats in rounds whose order
+/// is drawn anew for each, so that drift of the machine hits all alike. A setting that throws gets a
 /// failed or unsupported row and drops out; the others go on. `done` is called once per setting with
 /// its row (metrics still empty) and its image (empty if failed).
-void runCells(const Frame& frame, const EffectChoice& effects, const EffectSet& calledFor,
-              std::vector<SettingRun*> runs, int repeats, const TextureTarget& target,
+void runCells(const Frame& frame, const CellOptions& options, const std::vector<SettingRun*>& runs,
+              const TextureTarget& target,
               const std::function<void(Row&&, const std::vector<float>&)>& done);
 
 }  // namespace penumbra

@@ -102,7 +102,10 @@ class Run {
     std::size_t countFrames() const;
     void writeRecord(bool finished);
     void runScene(std::size_t sceneIndex);
-    void runFrame(const Scene& scene, const Frame& frame, std::vector<SettingRun*> pending);
+    bool keepsMaps(const Scene& scene, int index, const SceneFrame& now, const Tracer& tracer,
+                   const LightBounds& bounds) const;
+    void runFrame(const Scene& scene, const Frame& frame, bool keepMaps,
+                  const std::vector<SettingRun*>& pending);
     Reference referenceFor(const Scene& scene, const Frame& frame);
     bool mine(std::size_t cell) const {
         return cell % static_cast<std::size_t>(options_.shards) ==
@@ -142,6 +145,7 @@ void Run::openFolder() {
     record_.seed = options_.seed;
     record_.reference = options_.reference;
     record_.referenceSe = options_.referenceSe;
+    record_.effects = options_.effects.automatic ? "auto" : options_.effects.forced.text();
     record_.provenance = provenance_.pairs();
     record_.skippedScenes = loaded_.skipped;
     for (const auto& scene : loaded_.scenes)
@@ -158,12 +162,12 @@ void Run::openFolder() {
         const RunRecord before = RunRecord::read(folder_.record());
         if (before.width != record_.width || before.height != record_.height ||
             before.seed != record_.seed || before.reference != record_.reference ||
-            before.referenceSe != record_.referenceSe)
+            before.referenceSe != record_.referenceSe || before.effects != record_.effects)
             throw InputError(fmt::format(
                 "--resume {}: the run there has --size {}x{} --seed {} --reference {} "
-                "--reference-se {}; a resumed run must have the same",
+                "--reference-se {} --effects '{}'; a resumed run must have the same",
                 folder_.root().string(), before.width, before.height, before.seed, before.reference,
-                before.referenceSe));
+                before.referenceSe, before.effects));
         record_.references = before.references;
         // Failed cells are tried again, so their rows go; the file is replaced in one step.
         std::string kept = csvHeader() + "\n";
@@ -175,8 +179,8 @@ void Run::openFolder() {
         writeFileAtomically(folder_.results(), kept);
     }
     folder_.create();
+    writeRecord(false);  // before the first row: rows without a record could not be resumed
     csv_ = std::make_unique<CsvAppender>(folder_.results());
-    writeRecord(false);
 }
 
 void Run::writeRecord(bool finished) {
@@ -227,6 +231,7 @@ void Run::runScene(std::size_t sceneIndex) {
         GBuffer gbuffer;
         GBufferTextures textures;
         LightBounds bounds;
+        bool keepMaps = false;
         clock_.measure("frames", [&] {
             sceneFrame = scene.frame(index);
             if (sceneFrame.geometry != tracedGeometry) {
@@ -237,16 +242,30 @@ void Run::runScene(std::size_t sceneIndex) {
             gbuffer = renderGBuffer(*tracer, sceneFrame, scene, options_.width, options_.height);
             textures = uploadGBuffer(gbuffer);
             bounds = boundLight(sceneFrame.light, gbuffer, *sceneFrame.geometry);
+            keepMaps = keepsMaps(scene, index, sceneFrame, *tracer, bounds);
         });
         const Frame frame{scene,   index,    sceneFrame.light,    bounds,
                           sceneFrame.camera, sceneFrame.geometry, *tracer,
                           gbuffer, textures, *gpuGeometry,        options_.seed};
-        runFrame(scene, frame, pending);
+        runFrame(scene, frame, keepMaps, pending);
         writeRecord(false);
     }
 }
 
-void Run::runFrame(const Scene& scene, const Frame& frame, std::vector<SettingRun*> pending) {
+/// Whether light space at frame `index` is as it was one frame before.
+bool Run::keepsMaps(const Scene& scene, int index, const SceneFrame& now, const Tracer& tracer,
+                    const LightBounds& bounds) const {
+    if (index == 0) return false;
+    const SceneFrame before = scene.frame(index - 1);
+    if (before.geometry != now.geometry || before.light != now.light) return false;
+    if (before.camera == now.camera) return true;
+    // Light views are fitted to what the camera sees.
+    const GBuffer seen = renderGBuffer(tracer, before, scene, options_.width, options_.height);
+    return boundLight(before.light, seen, *before.geometry) == bounds;
+}
+
+void Run::runFrame(const Scene& scene, const Frame& frame, bool keepMaps,
+                   const std::vector<SettingRun*>& pending) {
     const Reference reference =
         clock_.measure("reference", [&] { return referenceFor(scene, frame); });
     clock_.measure("images", [&] {
@@ -256,8 +275,9 @@ void Run::runFrame(const Scene& scene, const Frame& frame, std::vector<SettingRu
     const TextureTarget target(frame.width(), frame.height());
     std::vector<std::pair<Row, std::vector<float>>> finished;
     clock_.measure("methods", [&] {
-        runCells(frame, options_.effects, effectsCalledFor(scene, sceneFrame), pending,
-                 options_.repeats, target, [&](Row&& row, const std::vector<float>& visibility) {
+        runCells(frame,
+                 {options_.effects, effectsCalledFor(scene, sceneFrame), keepMaps, options_.repeats},
+                 pending, target, [&](Row&& row, const std::vector<float>& visibility) {
                      finished.emplace_back(std::move(row), visibility);
                  });
     });
@@ -324,6 +344,8 @@ int compare(const CompareOptions& options) {
                                     static_cast<std::size_t>(threads));
     setenv("LP_NUM_THREADS", std::to_string(threads).c_str(), 1);  // read by llvmpipe
 
+    if (options.resume && options.out.empty())
+        throw InputError("--resume: name the run folder to continue with --out");
     const auto start = std::chrono::steady_clock::now();
     std::vector<Setting> settings = expandSettings(options.settings);
     LoadedScenes loaded = loadScenes(options);

@@ -50,8 +50,8 @@ int mergeRuns(const std::filesystem::path& out, const std::vector<std::filesyste
         }
         if (part.width != record.width || part.height != record.height ||
             part.seed != record.seed || part.reference != record.reference ||
-            part.referenceSe != record.referenceSe)
-            throw InputError(fmt::format("{} and {} differ in size, seed or reference",
+            part.referenceSe != record.referenceSe || part.effects != record.effects)
+            throw InputError(fmt::format("{} and {} differ in size, seed, reference or effects",
                                          runs.front().string(), run.string()));
         for (const Row& row : readCsv(folder.results())) {
             const auto [at, isNew] = rowOf.emplace(row.key(), run);

@@ -43,6 +43,7 @@ void RunRecord::write(const std::filesystem::path& path) const {
     j["seed"] = seed;
     j["reference"] = reference;
     j["reference_se"] = referenceSe;
+    j["effects"] = effects;
     j["provenance"] = pairsToJson(provenance);
     j["clock_self_test"] = {{"fenced_ms", fencedClockMs},
                             {"timer_query_ms", queryClockMs},
@@ -69,6 +70,7 @@ RunRecord RunRecord::read(const std::filesystem::path& path) {
         j.at("seed").get_to(r.seed);
         j.at("reference").get_to(r.reference);
         j.at("reference_se").get_to(r.referenceSe);
+        j.at("effects").get_to(r.effects);
         r.provenance = pairsFromJson(j.at("provenance"));
         const Json& clock = j.at("clock_self_test");
         clock.at("fenced_ms").get_to(r.fencedClockMs);

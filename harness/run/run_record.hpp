@@ -26,6 +26,7 @@ struct RunRecord {
     unsigned seed = 0;
     double referenceSe = 0.0;
     std::string reference = "embree";
+    std::string effects = "auto";  ///< auto, or the ids asked for joined with ' '
     std::vector<std::pair<std::string, std::string>> provenance;
     std::vector<SceneEntry> scenes;      ///< in order of the suite
     std::vector<SettingEntry> settings;  ///< in order of the columns

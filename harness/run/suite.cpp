@@ -39,12 +39,19 @@ Suite loadSuite(const std::string& id, const SceneLibrary& library) {
     for (const auto& [key, node] : table)
         if (key != "shows" && key != "scenes")
             throw fail(&node, fmt::format("unknown key '{}'; valid keys are shows, scenes", key.str()));
+    const toml::node* shows = table.get("shows");
+    if (shows && !shows->is_string()) throw fail(shows, "'shows' must be a string");
     Suite suite{id, table["shows"].value_or(std::string()), {}};
+    const std::vector<std::string> sceneIds = library.ids();
     const toml::array* scenes = table["scenes"].as_array();
-    if (!scenes || scenes->empty()) throw fail(nullptr, "'scenes' must be a list of scene ids");
+    if (!scenes || scenes->empty())
+        throw fail(table.get("scenes"), "'scenes' must be a list of scene ids");
     for (const toml::node& scene : *scenes) {
         const auto name = scene.value<std::string>();
         if (!name) throw fail(&scene, "'scenes' must be a list of scene ids");
+        if (std::ranges::find(sceneIds, *name) == sceneIds.end())
+            throw fail(&scene, fmt::format("unknown scene '{}'; scenes are {}", *name,
+                                           fmt::join(sceneIds, ", ")));
         suite.scenes.push_back(*name);
     }
     return suite;

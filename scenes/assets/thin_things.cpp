@@ -114,6 +114,16 @@ void antennas(Asset& asset) {
     constexpr float kWireRadiusM = 0.00075f;
     constexpr int kSides = 5;
 
+    // Short pieces: boxes around metre-long slanting slivers would overlap and slow every ray.
+    const auto wire = [&](const glm::vec3& from, const glm::vec3& to) {
+        constexpr float kPieceM = 0.06f;
+        const int pieces = static_cast<int>(std::ceil(glm::distance(from, to) / kPieceM));
+        std::vector<glm::vec3> path;
+        for (int i = 0; i <= pieces; ++i)
+            path.push_back(glm::mix(from, to, static_cast<float>(i) / static_cast<float>(pieces)));
+        return tube(path, std::vector<float>(path.size(), kWireRadiusM), kSides);
+    };
+
     Shape masts, wires;
     masts.append(rod({-0.9f, 0.0f, -0.3f}, {-0.9f, 1.5f, -0.3f}, 0.012f, 12));
     masts.append(rod({1.1f, 0.0f, 0.4f}, {1.1f, 1.1f, 0.4f}, 0.012f, 12));
@@ -125,7 +135,7 @@ void antennas(Asset& asset) {
         for (int i = 0; i < elements; ++i) {
             const float t = static_cast<float>(i) / static_cast<float>(elements - 1);
             const float x = glm::mix(-0.53f, 0.53f, t), half = glm::mix(0.48f, 0.22f, t);
-            wires.append(rod({x, 0, -half}, {x, 0, half}, kWireRadiusM, kSides), frame);
+            wires.append(wire({x, 0, -half}, {x, 0, half}), frame);
         }
     };
     addYagi({-0.9f, 1.45f, -0.3f}, 20.0f, 11);
@@ -134,10 +144,8 @@ void antennas(Asset& asset) {
     for (int i = 0; i < 4; ++i) {
         const float angle = (0.25f + 0.5f * static_cast<float>(i)) * std::numbers::pi_v<float>;
         const glm::vec3 foot(0.9f * std::cos(angle), 0.0f, 0.9f * std::sin(angle));
-        wires.append(
-            rod({-0.9f, 1.2f, -0.3f}, glm::vec3(-0.9f, 0, -0.3f) + foot, kWireRadiusM, kSides));
-        wires.append(
-            rod({1.1f, 1.0f, 0.4f}, glm::vec3(1.1f, 0, 0.4f) + 0.7f * foot, kWireRadiusM, kSides));
+        wires.append(wire({-0.9f, 1.2f, -0.3f}, glm::vec3(-0.9f, 0, -0.3f) + foot));
+        wires.append(wire({1.1f, 1.0f, 0.4f}, glm::vec3(1.1f, 0, 0.4f) + 0.7f * foot));
     }
     // A wire aerial sagging between the masts, five strands side by side.
     for (int strand = 0; strand < 5; ++strand) {
