@@ -38,26 +38,19 @@ int wrapped(int texel, int size, Wrap wrap) {
     return std::clamp(texel, 0, size - 1);
 }
 
-const std::uint8_t* texelAt(const TextureImage& image, int x, int y) {
-    return &image.rgba[4 * (static_cast<std::size_t>(y) * image.width + x)];
-}
-
-glm::vec4 colourOf(const std::uint8_t* texel) {
+glm::vec4 texelAt(const TextureImage& image, int x, int y) {
     static const std::array<float, 256> srgbToLinear = makeSrgbToLinear();
-    return {srgbToLinear[texel[0]], srgbToLinear[texel[1]], srgbToLinear[texel[2]],
-            static_cast<float>(texel[3]) / 255.0f};
+    const std::uint8_t* t = &image.rgba[4 * (static_cast<std::size_t>(y) * image.width + x)];
+    return {srgbToLinear[t[0]], srgbToLinear[t[1]], srgbToLinear[t[2]],
+            static_cast<float>(t[3]) / 255.0f};
 }
 
-float alphaOf(const std::uint8_t* texel) { return static_cast<float>(texel[3]) / 255.0f; }
-
-/// The texture at `uv`, each texel read by `value`.
-template <class Value>
-auto sampled(const TextureImage& image, glm::vec2 uv, const Value& value) {
+glm::vec4 sampled(const TextureImage& image, glm::vec2 uv) {
     const float x = folded(uv.x, image.wrapS) * static_cast<float>(image.width);
     const float y = folded(uv.y, image.wrapT) * static_cast<float>(image.height);
     const auto at = [&](int i, int j) {
-        return value(texelAt(image, wrapped(i, image.width, image.wrapS),
-                             wrapped(j, image.height, image.wrapT)));
+        return texelAt(image, wrapped(i, image.width, image.wrapS),
+                       wrapped(j, image.height, image.wrapT));
     };
     if (!image.linear) return at(static_cast<int>(std::floor(x)), static_cast<int>(std::floor(y)));
     const float left = std::floor(x - 0.5f), top = std::floor(y - 0.5f);
@@ -72,14 +65,7 @@ auto sampled(const TextureImage& image, glm::vec2 uv, const Value& value) {
 glm::vec4 baseColorAt(const Material& material, const std::vector<TextureImage>& images,
                       glm::vec2 uv) {
     if (material.baseColorTexture < 0) return material.baseColor;
-    return material.baseColor * sampled(images[material.baseColorTexture], uv, colourOf);
-}
-
-bool opaqueAt(const Material& material, const std::vector<TextureImage>& images, glm::vec2 uv) {
-    float alpha = material.baseColor.a;
-    if (material.baseColorTexture >= 0)
-        alpha *= sampled(images[material.baseColorTexture], uv, alphaOf);
-    return alpha >= material.alphaCutoff;
+    return material.baseColor * sampled(images[material.baseColorTexture], uv);
 }
 
 }  // namespace penumbra

@@ -30,11 +30,9 @@ struct Material {
 };
 
 /// Alpha and colour of `material` at `uv`: base colour times texture, colour in linear RGB.
+/// The one rule for every ray and every pixel on the CPU; shaders/common/alpha.glsl states it again
+/// for the GPU.
 glm::vec4 baseColorAt(const Material& material, const std::vector<TextureImage>& images,
                       glm::vec2 uv);
-
-/// The alpha test of a masked material, without the colour's cost: the one rule for every ray on the
-/// CPU; shaders/common/alpha.glsl states it again for the GPU.
-bool opaqueAt(const Material& material, const std::vector<TextureImage>& images, glm::vec2 uv);
 
 }  // namespace penumbra

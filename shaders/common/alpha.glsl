@@ -1,4 +1,4 @@
-// The alpha test of a masked material, as opaqueAt in core/scene/material.cpp states it for the
+// The alpha test of a masked material, as baseColorAt in core/scene/material.cpp states it for the
 // CPU: opaque where texture alpha times factor reaches the cutoff, absent elsewhere. Base level
 // only, so that no renderer minifies. GpuGeometry::draw sets the uniforms and texture unit 0.
 
