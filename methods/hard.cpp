@@ -1,7 +1,7 @@
 // Hard shadows: one shadow map from the light's centre, one nearest comparison per pixel
-// (METHODS.md 1). The light's extent is ignored, so every penumbra is wrong by up to one half; it is
-// the baseline for cost and the limit that every soft method must reach as the light shrinks. Edges
-// show the map's texels.
+// (METHODS.md 1). The light's extent is ignored, so every penumbra is wrong by up to one half; it
+// is the baseline for cost and the limit that every soft method must reach as the light shrinks.
+// Edges show the map's texels.
 
 #include "core/gl/program.hpp"
 #include "core/passes/depth_pass.hpp"
@@ -12,7 +12,12 @@ namespace {
 
 class Hard : public ShadowMethod {
     IntParameter mapSize_{this, "map_size", 1024, 16, 16384, "texels", "side of the shadow map"};
-    FloatParameter bias_{this, "bias", 0.5, 0.0, 64.0, "texels",
+    FloatParameter bias_{this,
+                         "bias",
+                         0.5,
+                         0.0,
+                         64.0,
+                         "texels",
                          "how far towards the light a receiver is moved before the comparison, in "
                          "texel footprints at its depth"};
 

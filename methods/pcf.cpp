@@ -13,16 +13,27 @@ namespace {
 
 class Pcf : public ShadowMethod {
     IntParameter mapSize_{this, "map_size", 1024, 16, 16384, "texels", "side of the shadow map"};
-    ChoiceParameter pattern_{this,
-                             "pattern",
-                             {"grid", "vogel"},
-                             "taps at the cell centres of a k x k grid, k^2 the greatest square not "
-                             "above taps, over the kernel's rectangle; or on its inscribed Vogel disc"};
+    ChoiceParameter pattern_{
+        this,
+        "pattern",
+        {"grid", "vogel"},
+        "taps at the cell centres of a k x k grid, k^2 the greatest square not "
+        "above taps, over the kernel's rectangle; or on its inscribed Vogel disc"};
     IntParameter taps_{this, "taps", 49, 1, 1024, "", "comparisons per pixel"};
-    FloatParameter kernel_{this, "kernel", 0.25, 0.0, 4.0, "light sizes",
+    FloatParameter kernel_{this,
+                           "kernel",
+                           0.25,
+                           0.0,
+                           4.0,
+                           "light sizes",
                            "kernel width at the receiver over the light's width, each axis apart: "
                            "0.25 fits casters a fifth of the way up from receiver to light"};
-    FloatParameter bias_{this, "bias", 0.5, 0.0, 64.0, "texels",
+    FloatParameter bias_{this,
+                         "bias",
+                         0.5,
+                         0.0,
+                         64.0,
+                         "texels",
                          "how far towards the light a receiver is moved before the comparison, in "
                          "texel footprints at its depth"};
 
@@ -43,10 +54,9 @@ class Pcf : public ShadowMethod {
 
     void prepare(const Scene&, const Plan& plan) override {
         depth_ = DepthPass(plan.has(Effect::alpha_mask));
-        program_ = gl::Program::graphics(
-            "pcf.glsl", {!plan.has(Effect::penumbra) ? "KERNEL_POINT"
-                         : pattern_.is("grid")       ? "KERNEL_GRID"
-                                                     : "KERNEL_VOGEL"});
+        program_ = gl::Program::graphics("pcf.glsl", {!plan.has(Effect::penumbra) ? "KERNEL_POINT"
+                                                      : pattern_.is("grid")       ? "KERNEL_GRID"
+                                                                            : "KERNEL_VOGEL"});
     }
 
     void build(const Frame& frame, const Plan&) override {

@@ -1,6 +1,7 @@
-// Shadow rays on the CPU: n points of the light per pixel, Owen-scrambled Sobol with a digital shift
-// of its own for every pixel, through the same tracer as the reference. "Just trace rays" on the same
-// curve as everything else: unbiased, noisy, its cost linear in n and independent of the light's size.
+// Shadow rays on the CPU: n points of the light per pixel, Owen-scrambled Sobol with a digital
+// shift of its own for every pixel, through the same tracer as the reference. "Just trace rays" on
+// the same curve as everything else: unbiased, noisy, its cost linear in n and independent of the
+// light's size.
 
 #include <tbb/blocked_range2d.h>
 #include <tbb/parallel_for.h>
@@ -20,8 +21,11 @@ class RayTraced : public ShadowMethod {
     Traits traits() const override { return {EffectSet::all()}; }
 
     std::vector<Assignments> ladder() const override {
-        return {{{"rays", "1"}},  {{"rays", "4"}},   {{"rays", "16"}},
-                {{"rays", "64"}}, {{"rays", "256"}}};
+        return {{{"rays", "1"}},
+                {{"rays", "4"}},
+                {{"rays", "16"}},
+                {{"rays", "64"}},
+                {{"rays", "256"}}};
     }
 
     void prepare(const Scene&, const Plan&) override {

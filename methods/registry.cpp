@@ -19,7 +19,9 @@ void registerMethod(MethodInfo info) {
     entries.insert(at, std::move(info));
 }
 
-const std::vector<MethodInfo>& methodRegistry() { return registry(); }
+const std::vector<MethodInfo>& methodRegistry() {
+    return registry();
+}
 
 const MethodInfo& findMethod(const std::string& id) {
     std::string known;

@@ -26,7 +26,8 @@ struct GBuffer {
     std::vector<glm::vec3> shadingNormal;    ///< unit, on the geometric normal's side
     std::vector<glm::vec3> albedo;           ///< linear RGB
     std::vector<PixelClass> mask;
-    std::vector<float> irradianceUnshadowed;  ///< analytic, unit radiance, geometric normal (W/m^2 per W/m^2/sr)
+    std::vector<float>
+        irradianceUnshadowed;  ///< analytic, unit radiance, geometric normal (W/m^2 per W/m^2/sr)
 
     std::size_t size() const { return mask.size(); }
     std::size_t count(PixelClass c) const;

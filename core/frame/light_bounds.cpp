@@ -48,11 +48,16 @@ glm::dvec3 inAxes(const Axes& axes, const glm::dvec3& p) {
 Axes lightSideAxes(const AreaLight& light, std::size_t side) {
     const glm::dvec3 u = light.axisU, v = light.axisV, n = light.normal();
     switch (side) {
-        case 0: return {u, v, n};
-        case 1: return {v, n, u};
-        case 2: return {n, v, -u};
-        case 3: return {n, u, v};
-        default: return {u, n, -v};
+        case 0:
+            return {u, v, n};
+        case 1:
+            return {v, n, u};
+        case 2:
+            return {n, v, -u};
+        case 3:
+            return {n, u, v};
+        default:
+            return {u, n, -v};
     }
 }
 

@@ -29,8 +29,9 @@ struct LightBounds {
 
 LightBounds boundLight(const AreaLight& light, const GBuffer& gbuffer, const Geometry& geometry);
 
-/// Orthonormal right-handed axes (x, y, z) of side `side` of the half cube around the light's normal,
-/// z pointing away from the light: 0 along the normal with x along axisU, 1..4 along +u -u +v -v.
+/// Orthonormal right-handed axes (x, y, z) of side `side` of the half cube around the light's
+/// normal, z pointing away from the light: 0 along the normal with x along axisU, 1..4 along +u -u
+/// +v -v.
 std::array<glm::dvec3, 3> lightSideAxes(const AreaLight& light, std::size_t side);
 
 }  // namespace penumbra

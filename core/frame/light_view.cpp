@@ -10,7 +10,8 @@ LightTile fitTile(const std::array<glm::dvec3, 3>& axes, const SideBounds& bound
     LightTile tile{axes[0], axes[1], axes[2]};
     if (bounds.empty()) return tile;
     // The nearest receiver needs the widest guard; far past kMaxTangent a guard only costs texels.
-    const glm::dvec2 guard = glm::min(guardM / bounds.receiverNearM, glm::dvec2(LightView::kMaxTangent));
+    const glm::dvec2 guard =
+        glm::min(guardM / bounds.receiverNearM, glm::dvec2(LightView::kMaxTangent));
     tile.tangentLo = bounds.tangentLo - guard;
     tile.tangentHi = bounds.tangentHi + guard;
     // A single visible receiver still needs a frustum with an inside.
@@ -19,9 +20,12 @@ LightTile fitTile(const std::array<glm::dvec3, 3>& axes, const SideBounds& bound
                             (mapSize > 2 ? mapSize / (mapSize - 2.0) : 1.0);
     tile.tangentLo = centre - half;
     tile.tangentHi = centre + half;
-    // Nearer casters are clamped to nearM and still block; the bound keeps s of far receivers well
-    // above the depth buffer's smallest steps.
-    tile.nearM = std::clamp(bounds.casterNearM, 1e-4 * bounds.receiverFarM, bounds.receiverFarM);
+    // Nearer casters are clamped to nearM and still block the receivers behind it. A triangle that
+    // crosses the light's plane comes nearer than all its vertices, so that no receiver may be near
+    // nearM either. The bound keeps s of far receivers well above the depth buffer's smallest
+    // steps.
+    tile.nearM = std::clamp(std::min(bounds.casterNearM, 0.5 * bounds.receiverNearM),
+                            1e-4 * bounds.receiverFarM, bounds.receiverFarM);
     return tile;
 }
 
@@ -40,8 +44,8 @@ LightView LightView::fit(const Frame& frame, glm::dvec2 guardM, int mapSize) {
     }
     const double guard = std::max(guardM.x, guardM.y);
     for (std::size_t side = 0; side < frame.lightBounds.sides.size(); ++side)
-        view.tiles.push_back(fitTile(lightSideAxes(frame.light, side), frame.lightBounds.sides[side],
-                                     glm::dvec2(guard), mapSize));
+        view.tiles.push_back(fitTile(lightSideAxes(frame.light, side),
+                                     frame.lightBounds.sides[side], glm::dvec2(guard), mapSize));
     return view;
 }
 

@@ -5,9 +5,9 @@
 namespace penumbra {
 
 DepthPass::DepthPass(bool alphaMask)
-    : program_(gl::Program::graphics("common/depth_pass.glsl",
-                                     alphaMask ? std::vector<std::string>{"ALPHA_MASK"}
-                                               : std::vector<std::string>{})),
+    : program_(gl::Program::graphics(
+          "common/depth_pass.glsl",
+          alphaMask ? std::vector<std::string>{"ALPHA_MASK"} : std::vector<std::string>{})),
       alphaMask_(alphaMask) {
     GLuint id = 0;
     glCreateFramebuffers(1, &id);
@@ -28,6 +28,8 @@ void DepthPass::render(const Frame& frame, const LightView& view, int size) {
     glEnable(GL_DEPTH_CLAMP);
     glDisable(GL_CULL_FACE);
     glDisable(GL_BLEND);
+    glDisable(GL_POLYGON_OFFSET_FILL);
+    glDisable(GL_SCISSOR_TEST);
     glViewport(0, 0, size, size);
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());
     program_.use();
