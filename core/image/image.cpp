@@ -142,6 +142,7 @@ Image readImage(const std::filesystem::path& path) {
         fail(fmt::format("{} x {} pixels with {} channels are not supported", spec.width,
                          spec.height, spec.nchannels));
     Image image = Image::withChannels(spec.width, spec.height, spec.channelnames);
+    image.integers = !spec.format.is_floating_point();
     if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, image.pixels.data()))
         fail(input->geterror());
     return image;

@@ -12,6 +12,7 @@ struct Image {
     int width = 0, height = 0;
     std::vector<std::string> channels;
     std::vector<float> pixels;  ///< width * height * channels.size()
+    bool integers = false;      ///< read from a file of integers: by convention sRGB-encoded
 
     std::size_t channelCount() const { return channels.size(); }
     float& at(int x, int y, int c) {

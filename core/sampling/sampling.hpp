@@ -25,7 +25,8 @@ constexpr std::uint32_t hash(std::uint32_t first, Rest... rest) {
 
 /// [0, 1): 24 bits, so that 1.0 never appears (METHODS.md R4).
 constexpr float toUnitFloat(std::uint32_t x) {
-    return static_cast<float>(x >> 8) * 0x1p-24f;
+    // Signed, because SSE2 converts four such at once.
+    return static_cast<float>(static_cast<std::int32_t>(x >> 8)) * 0x1p-24f;
 }
 
 constexpr std::uint32_t reverseBits(std::uint32_t x) {

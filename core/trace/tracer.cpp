@@ -245,24 +245,28 @@ struct Tracer::Stream::Rays {
     std::array<RTCRay, kStreamSize> ray;
 };
 
-Tracer::Stream::Stream(const Tracer& tracer) : tracer_(tracer), rays_(std::make_unique<Rays>()) {}
+Tracer::Stream::Stream(const Tracer& tracer) : tracer_(tracer), rays_(std::make_unique<Rays>()) {
+    for (RTCRay& ray : rays_->ray) {
+        ray.tnear = 0.0f;
+        ray.time = 0.0f;
+        ray.mask = ~0u;
+        ray.id = 0;
+        ray.flags = 0;
+    }
+}
+
 Tracer::Stream::~Stream() = default;
 
+// What no trace changes was set once.
 void Tracer::Stream::add(const glm::vec3& origin, const glm::vec3& target) {
-    const glm::vec3 direction = target - origin;
     RTCRay& ray = rays_->ray[size_++];
     ray.org_x = origin.x;
     ray.org_y = origin.y;
     ray.org_z = origin.z;
-    ray.tnear = 0.0f;
-    ray.dir_x = direction.x;
-    ray.dir_y = direction.y;
-    ray.dir_z = direction.z;
-    ray.time = 0.0f;
+    ray.dir_x = target.x - origin.x;
+    ray.dir_y = target.y - origin.y;
+    ray.dir_z = target.z - origin.z;
     ray.tfar = 1.0f - 1e-4f;
-    ray.mask = ~0u;
-    ray.id = 0;
-    ray.flags = 0;
 }
 
 void Tracer::Stream::trace() {

@@ -15,10 +15,10 @@ std::string quoted(int argc, char** argv) {
     std::string line = "penumbra";
     for (int i = 1; i < argc; ++i) {
         const std::string argument = argv[i];
-        const bool plain = !argument.empty() &&
-                           argument.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRS"
-                                                      "TUVWXYZ0123456789_-+=.,:/@%") ==
-                               std::string::npos;
+        const bool plain =
+            !argument.empty() && argument.find_first_not_of(
+                                     "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRS"
+                                     "TUVWXYZ0123456789_-+=.,:/@%") == std::string::npos;
         line += ' ';
         if (plain) {
             line += argument;
@@ -54,15 +54,17 @@ void requireSubcommand(const CLI::App& app, int argc, char** argv) {
 }  // namespace
 
 int runCommandLine(int argc, char** argv) {
-    CLI::App app("Renders scenes with real-time soft-shadow techniques, scores every pixel against a "
-                 "ray-traced reference and shows what accuracy costs in time.",
-                 "penumbra");
+    CLI::App app(
+        "Renders scenes with real-time soft-shadow techniques, scores every pixel against a "
+        "ray-traced reference and shows what accuracy costs in time.",
+        "penumbra");
     app.require_subcommand(1);
     Action action;
     addCompareCommand(app, action, quoted(argc, argv));
     addListCommand(app, action);
     addReportCommand(app, action);
     addMergeCommand(app, action);
+    addDiffCommand(app, action);
     try {
         requireSubcommand(app, argc, argv);
         app.parse(argc, argv);

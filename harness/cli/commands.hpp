@@ -15,5 +15,6 @@ void addListCommand(CLI::App& app, Action& action);
 void addCompareCommand(CLI::App& app, Action& action, const std::string& commandLine);
 void addReportCommand(CLI::App& app, Action& action);
 void addMergeCommand(CLI::App& app, Action& action);
+void addDiffCommand(CLI::App& app, Action& action);
 
 }  // namespace penumbra

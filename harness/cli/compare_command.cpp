@@ -58,7 +58,8 @@ void addCompareCommand(CLI::App& app, Action& action, const std::string& command
     command->add_option("--set", o.settings.sets, "METHOD.PARAMETER=VALUE");
     command->add_option("--sweep", o.settings.sweeps, "METHOD.PARAMETER=VALUE,VALUE,...");
     command->add_flag("--ladder", o.settings.ladder, "every method's quality ladder");
-    command->add_option("--effects", entered->effects, "auto | all | none | a,b,... (see list effects)");
+    command->add_option("--effects", entered->effects,
+                        "auto | all | none | a,b,... (see list effects)");
     command->add_option("--size", entered->size, "image size WxH");
     command->add_option("--repeats", o.repeats, "timed repeats of every cell")
         ->check(CLI::Range(1, 10000));
@@ -66,8 +67,7 @@ void addCompareCommand(CLI::App& app, Action& action, const std::string& command
     command->add_option("--threads", o.threads, "CPU threads (default: all)")
         ->check(CLI::Range(1, 1024));
     command->add_option("--context", entered->context, "osmesa | egl | glfw | auto");
-    command->add_option("--reference", o.reference, "embree")
-        ->check(CLI::IsMember({"embree"}));
+    command->add_option("--reference", o.reference, "embree")->check(CLI::IsMember({"embree"}));
     command->add_option("--reference-se", o.referenceSe, "standard error to reach in every pixel");
     command->add_option("--cache", o.cache, "folder of cached references");
     command->add_option("--out", o.out, "run folder (default: results/<time>)");

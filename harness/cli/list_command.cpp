@@ -105,17 +105,19 @@ std::string markdown(const Json& list) {
     std::string text = markdownTable(list);
     for (const Json& entry : list)
         if (entry.contains("parameters"))
-            text += fmt::format("\n### {}: {}\n\n{}\n\n{}", entry["id"].get<std::string>(),
-                                entry["title"].get<std::string>(),
-                                entry["source"].get<std::string>(),
-                                markdownTable(entry["parameters"]));
+            text +=
+                fmt::format("\n### {}: {}\n\n{}\n\n{}", entry["id"].get<std::string>(),
+                            entry["title"].get<std::string>(), entry["source"].get<std::string>(),
+                            markdownTable(entry["parameters"]));
     return text;
 }
 
 std::string plain(const Json& list) {
     std::string text;
     for (const Json& entry : list) {
-        const char* line = entry.contains("title") ? "title" : entry.contains("shows") ? "shows" : "doc";
+        const char* line = entry.contains("title")   ? "title"
+                           : entry.contains("shows") ? "shows"
+                                                     : "doc";
         text += fmt::format("{:<22} {}\n", entry["id"].get<std::string>(),
                             entry[line].get<std::string>());
         if (!entry.contains("parameters")) continue;

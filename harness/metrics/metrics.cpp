@@ -6,6 +6,9 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "harness/metrics/error_sums.hpp"
+#include "harness/metrics/noise.hpp"
+
 namespace penumbra {
 
 namespace {
@@ -14,63 +17,50 @@ constexpr double kLeakThreshold = 0.05;  ///< umbra pixels brighter than this le
 constexpr double kFalseShadowThreshold =
     0.95;  ///< lit pixels darker than this are falsely shadowed
 
-/// Running sums over the finite pixels of one class. Doubles: a float sum over a million pixels
-/// loses the low errors behind the large ones.
-struct ErrorSums {
-    double sum = 0, sumAbs = 0, sumSquares = 0;
-    std::size_t count = 0;
-
-    void add(double error) {
-        sum += error;
-        sumAbs += std::abs(error);
-        sumSquares += error * error;
-        ++count;
-    }
-    std::optional<double> mean(double total) const {
-        return count ? std::optional(total / static_cast<double>(count)) : std::nullopt;
-    }
-    std::optional<double> rms() const {
-        return count ? std::optional(std::sqrt(sumSquares / static_cast<double>(count)))
-                     : std::nullopt;
-    }
-};
-
-/// Nearest rank: the ceil(0.99 n)-th smallest value. Reorders `values`, which must not be empty.
-double percentile99(std::vector<double>& values) {
-    const std::size_t rank = (99 * values.size() + 99) / 100;
-    const auto nth = values.begin() + static_cast<std::ptrdiff_t>(rank - 1);
-    std::nth_element(values.begin(), nth, values.end());
-    return *nth;
+/// Whether the reference's standard error at a pixel is the measured spread of its replicates.
+/// Where all rays agree it is the bound 3/n on what they may have missed, far above the expected
+/// error.
+bool hasMeasuredError(float visibility) {
+    return visibility > 0.0F && visibility < 1.0F;
 }
 
 }  // namespace
 
-Metrics score(std::span<const float> visibility, const Reference& reference,
-              const GBuffer& gbuffer) {
+Scorer::Scorer(const Reference& reference, const GBuffer& gbuffer)
+    : reference_(reference), gbuffer_(gbuffer) {
     const std::size_t pixels = gbuffer.size();
-    if (visibility.size() != pixels || reference.visibility.size() != pixels ||
-        reference.standardError.size() != pixels) {
-        throw std::invalid_argument(
-            fmt::format("score: {} visibility, {} reference and {} G-buffer pixels differ",
-                        visibility.size(), reference.visibility.size(), pixels));
+    if (reference.visibility.size() != pixels || reference.standardError.size() != pixels) {
+        throw std::invalid_argument(fmt::format("score: {} reference and {} G-buffer pixels differ",
+                                                reference.visibility.size(), pixels));
     }
+    classes_ = classifyLight(reference, gbuffer);
+    light_ = pictureLight(gbuffer);
+    ssim_ = prepareSsim(gbuffer.width, gbuffer.height, reference.visibility);
+    flip_ = prepareFlip(shadeVisibility(gbuffer, reference.visibility, light_));
+}
 
-    const std::vector<LightClass> classes = classifyLight(reference, gbuffer);
+Metrics Scorer::score(std::span<const float> visibility) const {
+    const std::size_t pixels = gbuffer_.size();
+    if (visibility.size() != pixels) {
+        throw std::invalid_argument(fmt::format(
+            "score: {} visibility and {} G-buffer pixels differ", visibility.size(), pixels));
+    }
     Metrics metrics;
     ErrorSums all, lit, penumbra, umbra, referenceError;
+    double referenceVariance = 0;  // summed over the pixels of `all`
     std::vector<double> absoluteErrors;
     absoluteErrors.reserve(pixels);
     std::size_t leaks = 0, falseShadows = 0;
 
     for (std::size_t i = 0; i < pixels; ++i) {
-        const PixelClass mask = gbuffer.mask[i];
+        const PixelClass mask = gbuffer_.mask[i];
         if (mask != PixelClass::scored && mask != PixelClass::horizon) continue;
         const bool scored = mask == PixelClass::scored;
         ++(scored ? metrics.scoredPixels : metrics.horizonPixels);
 
         // The reference's own error does not depend on what the method drew here.
-        if (scored && classes[i] == LightClass::penumbra) {
-            referenceError.add(reference.standardError[i]);
+        if (scored && classes_[i] == LightClass::penumbra) {
+            referenceError.add(reference_.standardError[i]);
         }
 
         const double v = visibility[i];
@@ -81,10 +71,14 @@ Metrics score(std::span<const float> visibility, const Reference& reference,
         if (v < 0.0 || v > 1.0) ++metrics.outOfRange;
         if (!scored) continue;
 
-        const double error = v - static_cast<double>(reference.visibility[i]);
+        const double error = v - static_cast<double>(reference_.visibility[i]);
         all.add(error);
+        if (hasMeasuredError(reference_.visibility[i])) {
+            const double standardError = reference_.standardError[i];
+            referenceVariance += standardError * standardError;
+        }
         absoluteErrors.push_back(std::abs(error));
-        switch (classes[i]) {
+        switch (classes_[i]) {
             case LightClass::lit:
                 lit.add(error);
                 falseShadows += v < kFalseShadowThreshold;
@@ -114,7 +108,34 @@ Metrics score(std::span<const float> visibility, const Reference& reference,
     metrics.leakRate = umbra.mean(static_cast<double>(leaks));
     metrics.falseShadowRate = lit.mean(static_cast<double>(falseShadows));
     metrics.referenceSe = referenceError.rms();
+    if (all.count) {
+        const double excess = all.sumSquares - referenceVariance;
+        metrics.rmseCorrected = std::sqrt(std::max(0.0, excess) / static_cast<double>(all.count));
+    }
+    scoreNeighbourhoods(visibility, metrics);
     return metrics;
+}
+
+void Scorer::scoreNeighbourhoods(std::span<const float> visibility, Metrics& metrics) const {
+    // Where nobody answers, and at non-finite pixels, the image gets the reference's value, so that
+    // what it holds there does not show in its neighbours' numbers.
+    std::vector<float> seen = reference_.visibility;
+    std::vector<std::uint8_t> counted(seen.size(), 0);
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+        if (gbuffer_.mask[i] != PixelClass::scored || !std::isfinite(visibility[i])) continue;
+        seen[i] = visibility[i];
+        counted[i] = 1;
+    }
+    const FlipImage picture = prepareFlip(shadeVisibility(gbuffer_, seen, light_));
+    metrics.flip = meanWhere(flipErrors(flip_, picture), counted);
+    metrics.ssim =
+        ssim(ssim_, prepareSsim(gbuffer_.width, gbuffer_.height, std::move(seen)), counted);
+    metrics.noise = noise(visibility, reference_, gbuffer_, classes_);
+}
+
+Metrics score(std::span<const float> visibility, const Reference& reference,
+              const GBuffer& gbuffer) {
+    return Scorer(reference, gbuffer).score(visibility);
 }
 
 const std::vector<MetricInfo>& allMetrics() {
@@ -122,7 +143,7 @@ const std::vector<MetricInfo>& allMetrics() {
         {"rmse", "V",
          "Root mean square error over scored pixels: the headline. Large errors dominate; blind to "
          "sign and place, and diluted where most of the image is plainly lit. Raw: the noise of "
-         "the reference (reference_se) is not taken out."},
+         "the reference is not taken out (rmse_corrected)."},
         {"mae", "V",
          "Mean absolute error over scored pixels: the typical pixel. Blind to sign and place, and "
          "to rare large errors."},
@@ -135,6 +156,19 @@ const std::vector<MetricInfo>& allMetrics() {
         {"max_error", "V",
          "Largest absolute error of any scored pixel: sees a single wrong pixel, and an unlucky "
          "reference pixel. Blind to how many there are."},
+        {"ssim", "1",
+         "Structural similarity of visibility (11x11 Gaussian, sigma 1.5, L = 1) over scored "
+         "pixels "
+         "five or more from the border; 1 is equal, may be below 0. Sees lost or invented "
+         "structure, "
+         "such as grain, banding and missing detail. Blind to large errors beside strong edges, "
+         "over-sensitive in flat regions, diluted where the image is plainly lit; never read it "
+         "alone."},
+        {"flip", "FLIP",
+         "Mean LDR-FLIP over scored pixels between the shaded pictures, both under one fixed "
+         "exposure, at 67.0206 pixels per degree: what an observer sees who flips between them; 0 "
+         "is equal, 1 the most. Blind to what that observer cannot see: fine grain, and errors on "
+         "dark or poorly lit surfaces."},
         {"rmse_lit", "V",
          "rmse over pixels the reference sees fully lit: acne, over-wide penumbrae. Blind to the "
          "shadow itself."},
@@ -149,6 +183,15 @@ const std::vector<MetricInfo>& allMetrics() {
         {"false_shadow_rate", "fraction",
          "Lit pixels with V < 0.95: acne, over-wide penumbrae. Blind to fainter darkening and to "
          "how dark it is."},
+        {"noise", "V",
+         "Root mean square, over penumbra pixels, of the error minus its 5x5 mean: grain, dither, "
+         "banding and shadow-map steps, which FLIP hides by design. Blind to smooth error of any "
+         "size and to blotches wider than five pixels. Contains the reference's own noise."},
+        {"flicker", "V",
+         "Mean |change of V - change of the reference| since the frame before, over pixels that "
+         "show "
+         "the same point in both: shimmering and popping under moving lights and casters. Blind to "
+         "error that stands still; absent for first frames and where the camera moved."},
         {"scored_pixels", "pixels",
          "Surface pixels with the whole light above their horizon: what the headline numbers are "
          "taken over. Says nothing about quality."},
@@ -164,6 +207,10 @@ const std::vector<MetricInfo>& allMetrics() {
         {"reference_se", "V",
          "Root mean square standard error of the reference over its penumbra pixels: the floor "
          "under which an rmse is noise. Blind to the reference's bias."},
+        {"rmse_corrected", "V",
+         "rmse with the reference's noise taken out: sqrt(rmse^2 - mean squared standard error), 0 "
+         "where noise explains it all. Pixels whose reference rays all agree subtract nothing. "
+         "Else as rmse; blind to the reference's bias."},
     };
     return kMetrics;
 }

@@ -4,6 +4,8 @@
 #include <bit>
 #include <cmath>
 
+#include "harness/reference/silhouette.hpp"
+
 namespace penumbra {
 
 namespace {
@@ -16,14 +18,13 @@ constexpr int kCoarseCells = kCoarseGrid * kCoarseGrid;
 
 // More cells than this and sampling only them saves too little to pay for the confirmation.
 constexpr int kMaxSilhouetteCells = kCells * 3 / 5;
-// Confirming rays per replicate over the whole light (those in silhouette cells are left out),
-// where the pilot's grid resolves the silhouettes and where it does not.
-constexpr int kConfirmPoints = 16;
-constexpr int kConfirmPointsUnresolved = 32;
-constexpr int kUnresolvedRings = 3;
+// Confirming rays per replicate over the whole light (those in silhouette cells are left out): few
+// where an edge or two cross the light and the grid resolves them, more elsewhere.
+constexpr int kConfirmPoints = 16, kConfirmPointsElse = 48;
+constexpr int kSimpleCrossings = 2 * kGrid;
 constexpr int kConfirmAttempts = 2;
-// Less than one in this many counts as rare.
-constexpr int kRareShare = 64;
+// By how many cells a silhouette grows where something slipped through the grid.
+constexpr int kUnresolvedRings = 3;
 constexpr int kMinWholeLightPoints = 32;
 // Squared error of n net points in a unit square crossed by one edge: 0.36^2 n^-3/2 (METHODS.md
 // R4).
@@ -42,140 +43,11 @@ struct Shift {
     SobolPoint operator()(const SobolPoint& p) const { return {p.x ^ x, p.y ^ y}; }
 };
 
-/// A cell of the pilot's grid.
-struct Cell {
-    int x, y;
-    static Cell of(const SobolPoint& p) {
-        static_assert(kGrid == 32);
-        return {static_cast<int>(p.x >> 27), static_cast<int>(p.y >> 27)};
-    }
-};
-
-// Bits of x at even, of y at odd places, the highest 16 of each.
-std::uint32_t morton(const SobolPoint& p) {
-    const auto spread = [](std::uint32_t v) {
-        v = (v | (v << 8)) & 0x00ff00ffu;
-        v = (v | (v << 4)) & 0x0f0f0f0fu;
-        v = (v | (v << 2)) & 0x33333333u;
-        return (v | (v << 1)) & 0x55555555u;
-    };
-    return spread(p.x >> 16) | (spread(p.y >> 16) << 1);
+/// The pilot's cell that a point lies in.
+Cell cellOf(const SobolPoint& p) {
+    static_assert(kGrid == 32);
+    return {static_cast<int>(p.x >> 27), static_cast<int>(p.y >> 27)};
 }
-
-bool mortonLess(const SobolPoint& a, const SobolPoint& b) {
-    return morton(a) < morton(b);
-}
-
-}  // namespace
-
-ReplicateTables::ReplicateTables(int points) {
-    for (int r = 0; r < kReplicates; ++r) {
-        auto& table = overLight_[r];
-        for (int i = 0; i < points; ++i) table.push_back(owenSobol(i, hash(0x7e3a91u, r)));
-        alongList_[r] = table;
-        for (int from = 0; from < points;) {
-            const int to = std::min(points, roundUp(from + 1));
-            std::sort(table.begin() + from, table.begin() + to, mortonLess);
-            std::sort(alongList_[r].begin() + from, alongList_[r].begin() + to,
-                      [](const SobolPoint& a, const SobolPoint& b) { return a.x < b.x; });
-            from = to;
-        }
-    }
-    for (int i = 0; i < kCells; ++i) pilot_.push_back(owenSobol(i, 0x51ed27u));
-    std::sort(pilot_.begin(), pilot_.begin() + kCoarseCells, mortonLess);
-    std::sort(pilot_.begin() + kCoarseCells, pilot_.end(), mortonLess);
-}
-
-int ReplicateTables::roundUp(double n) {
-    int power = 1;
-    while (power < n) power *= 2;
-    return power >= 4 && power / 4 * 3 >= n ? power / 4 * 3 : power;
-}
-
-int ReplicateTables::roundDown(double n) {
-    int power = 1;
-    while (2 * power <= n) power *= 2;
-    return power >= 2 && power / 2 * 3 <= n ? power / 2 * 3 : power;
-}
-
-namespace {
-
-/// A grid of bits, one word per row, bit x is column x.
-template <int n>
-struct BitGrid {
-    std::array<std::uint32_t, n> row{};
-
-    bool operator[](Cell c) const { return (row[c.y] >> c.x) & 1u; }
-    void set(Cell c) { row[c.y] |= 1u << c.x; }
-    void assign(Cell c, bool value) {
-        row[c.y] = (row[c.y] & ~(1u << c.x)) | (static_cast<std::uint32_t>(value) << c.x);
-    }
-    int count() const {
-        int total = 0;
-        for (const std::uint32_t bits : row) total += std::popcount(bits);
-        return total;
-    }
-    BitGrid complement() const {
-        BitGrid result;
-        for (int y = 0; y < n; ++y) result.row[y] = ~row[y] & (~0u >> (32 - n));
-        return result;
-    }
-    BitGrid operator&(const BitGrid& other) const {
-        BitGrid result;
-        for (int y = 0; y < n; ++y) result.row[y] = row[y] & other.row[y];
-        return result;
-    }
-    BitGrid operator|(const BitGrid& other) const {
-        BitGrid result;
-        for (int y = 0; y < n; ++y) result.row[y] = row[y] | other.row[y];
-        return result;
-    }
-    /// The cells of the grid of half as many a side that hold one of this grid's.
-    BitGrid<n / 2> coarser() const {
-        BitGrid<n / 2> result;
-        for (int y = 0; y < n; ++y)
-            for (int x = 0; x < n; ++x)
-                if ((row[y] >> x) & 1u) result.set({x / 2, y / 2});
-        return result;
-    }
-    /// This grid's cells and all within `rings` of them.
-    BitGrid grown(int rings) const {
-        BitGrid result = *this;
-        for (int ring = 0; ring < rings; ++ring) result = result | result.beside();
-        return result;
-    }
-    /// The cells that have one of this grid's among their eight neighbours.
-    BitGrid beside() const {
-        BitGrid result;
-        for (int y = 0; y < n; ++y) {
-            std::uint32_t bits = (row[y] << 1) | (row[y] >> 1);
-            for (const int j : {y - 1, y + 1})
-                if (j >= 0 && j < n) bits |= row[j] | (row[j] << 1) | (row[j] >> 1);
-            result.row[y] = bits & (~0u >> (32 - n));
-        }
-        return result;
-    }
-};
-
-/// What differs from what in a grid of rays' answers.
-template <int n>
-struct Silhouette {
-    BitGrid<n> cells;  ///< those with a neighbour of the other kind
-    /// No cell is alone of its kind, and neither kind is rare: else there are features finer than
-    /// the grid, and likely more of them that it missed.
-    bool resolved = true;
-
-    explicit Silhouette(const BitGrid<n>& lit) {
-        const BitGrid<n> dark = lit.complement();
-        const BitGrid<n> besideLit = lit.beside(), besideDark = dark.beside();
-        for (int y = 0; y < n; ++y) {
-            cells.row[y] = (lit.row[y] & besideDark.row[y]) | (dark.row[y] & besideLit.row[y]);
-            resolved &=
-                ((lit.row[y] & ~besideLit.row[y]) | (dark.row[y] & ~besideDark.row[y])) == 0;
-        }
-        resolved &= std::min(lit.count(), dark.count()) * kRareShare > n * n;
-    }
-};
 
 }  // namespace
 
@@ -191,7 +63,7 @@ class PixelEstimator::Pilot {
             const SobolPoint p = shift(point);
             batch.s[batch.size] = toUnitFloat(p.x);
             batch.t[batch.size] = toUnitFloat(p.y);
-            cells[batch.size++] = Cell::of(p);
+            cells[batch.size++] = cellOf(p);
         };
         static_assert(kCoarseCells == LightBatch::kCapacity);
         for (int i = 0; i < kCoarseCells; ++i) add(net[i]);
@@ -225,7 +97,7 @@ class PixelEstimator::Pilot {
             if (!everywhere) wanted = wanted & silhouette.coarser();
             batch.size = 0;
             for (int i = kCoarseCells; i < kCells; ++i) {
-                const Cell cell = Cell::of(shift(net[i]));
+                const Cell cell = cellOf(shift(net[i]));
                 if (!wanted[{cell.x / 2, cell.y / 2}]) continue;
                 add(net[i]);
                 if (batch.size == LightBatch::kCapacity) flush();
@@ -243,6 +115,8 @@ class PixelEstimator::Pilot {
         return true;
     }
 
+    /// About one or two edges across the light: little can have been missed.
+    bool simple() const { return resolved && crossings <= kSimpleCrossings; }
     int rays() const { return rays_; }
     double constantVisibility() const { return constantVisibility_; }
     BitGrid<kGrid> lit, silhouette;
@@ -266,33 +140,58 @@ class PixelEstimator::Collector {
   public:
     Collector(LightProbe& probe, Sums& sums) : probe_(probe), sums_(sums) {}
 
-    void add(std::uint32_t x, std::uint32_t y, int replicate) {
-        batch_.s[batch_.size] = toUnitFloat(x);
-        batch_.t[batch_.size] = toUnitFloat(y);
-        replicate_[batch_.size] = static_cast<std::uint8_t>(replicate);
-        if (++batch_.size == LightBatch::kCapacity) flush();
+    /// `count` points of one replicate, each mapped to where on the light it lies.
+    template <class Map>
+    void add(int replicate, const SobolPoint* points, int count, const Map& map) {
+        while (count > 0) {
+            const int room = static_cast<int>(LightBatch::kCapacity - batch_.size);
+            const int n = std::min(count, room);
+            float* const s = batch_.s.data() + batch_.size;
+            float* const t = batch_.t.data() + batch_.size;
+            for (int i = 0; i < n; ++i) {
+                const SobolPoint p = map(points[i]);
+                s[i] = toUnitFloat(p.x);
+                t[i] = toUnitFloat(p.y);
+            }
+            batch_.size += n;
+            runs_[runCount_++] = {replicate, batch_.size};
+            if (n == room) flush();
+            points += n;
+            count -= n;
+        }
     }
 
     void flush() {
         probe_.look(batch_);
         probe_.weigh(batch_);
         float lit = 0.0f, all = 0.0f;
-        for (std::size_t i = 0; i < batch_.size; ++i) {
-            sums_.hits[replicate_[i]] += batch_.visible[i];
-            all += batch_.weight[i];
-            lit += batch_.visible[i] ? batch_.weight[i] : 0.0f;
+        std::size_t i = 0;
+        for (int run = 0; run < runCount_; ++run) {
+            int hits = 0;
+            for (; i < runs_[run].end; ++i) {
+                hits += batch_.visible[i];
+                all += batch_.weight[i];
+                lit += static_cast<float>(batch_.visible[i]) * batch_.weight[i];
+            }
+            sums_.hits[runs_[run].replicate] += hits;
         }
         sums_.weightLit += lit;
         sums_.weightAll += all;
         sums_.rays += static_cast<int>(batch_.size);
         batch_.size = 0;
+        runCount_ = 0;
     }
 
   private:
+    struct Run {
+        int replicate;
+        std::size_t end;  ///< in the batch
+    };
     LightProbe& probe_;
     Sums& sums_;
     LightBatch batch_;
-    std::array<std::uint8_t, LightBatch::kCapacity> replicate_;
+    std::array<Run, LightBatch::kCapacity> runs_;
+    int runCount_ = 0;
 };
 
 namespace {
@@ -361,12 +260,12 @@ bool PixelEstimator::confirm(LightProbe& probe, std::uint32_t seed, Pilot& pilot
         batch.size = 0;
     };
     const int points =
-        std::min(tables_.size(), pilot.resolved ? kConfirmPoints : kConfirmPointsUnresolved);
+        std::min(tables_.size(), pilot.simple() ? kConfirmPoints : kConfirmPointsElse);
     for (int r = 0; r < kReplicates; ++r) {
         const Shift shift(hash(seed, r));
         for (int i = 0; i < points; ++i) {
             const SobolPoint p = shift(tables_.overLight(r)[i]);
-            const Cell cell = Cell::of(p);
+            const Cell cell = cellOf(p);
             if (pilot.silhouette[cell]) continue;
             batch.s[batch.size] = toUnitFloat(p.x);
             batch.t[batch.size] = toUnitFloat(p.y);
@@ -425,15 +324,16 @@ PixelEstimate PixelEstimator::alongSilhouette(LightProbe& probe, std::uint32_t s
     for (;;) {
         for (int r = 0; r < kReplicates; ++r) {
             const Shift shift(hash(seed, kSilhouetteSalt, r));
-            for (int i = done; i < points; ++i) {
+            const auto place = [&](const SobolPoint& point) {
                 // The first coordinate runs along the list and, within a cell, across it.
-                const SobolPoint p = shift(tables_.alongList(r)[i]);
+                const SobolPoint p = shift(point);
                 const std::uint64_t along = static_cast<std::uint64_t>(p.x) * cells;
                 const Cell cell = list[along >> 32];
-                collector.add((static_cast<std::uint32_t>(cell.x) << 27) |
-                                  (static_cast<std::uint32_t>(along) >> 5),
-                              (static_cast<std::uint32_t>(cell.y) << 27) | (p.y >> 5), r);
-            }
+                return SobolPoint{(static_cast<std::uint32_t>(cell.x) << 27) |
+                                      (static_cast<std::uint32_t>(along) >> 5),
+                                  (static_cast<std::uint32_t>(cell.y) << 27) | (p.y >> 5)};
+            };
+            collector.add(r, tables_.alongList(r) + done, points - done, place);
         }
         collector.flush();
         done = points;
@@ -462,10 +362,7 @@ PixelEstimate PixelEstimator::wholeLight(LightProbe& probe, std::uint32_t seed, 
     for (;;) {
         for (int r = 0; r < kReplicates; ++r) {
             const Shift shift(hash(seed, kWholeSalt, r));
-            for (int i = done; i < points; ++i) {
-                const SobolPoint p = shift(tables_.overLight(r)[i]);
-                collector.add(p.x, p.y, r);
-            }
+            collector.add(r, tables_.overLight(r) + done, points - done, shift);
         }
         collector.flush();
         done = points;

@@ -35,19 +35,26 @@ class SurfaceProbe final : public LightProbe {
     }
 
     void weigh(LightBatch& batch) override {
+        // Copies, so that the compiler sees that writing weights changes none of them.
+        const glm::vec3 corner = fromCorner_, u = edgeU_, v = edgeV_;
+        const glm::vec3 normal = normal_, lightNormal = lightNormal_;
         for (std::size_t i = 0; i < batch.size; ++i) {
-            const glm::vec3 d = fromCorner_ + batch.s[i] * edgeU_ + batch.t[i] * edgeV_;
-            const float distance2 = glm::dot(d, d);
-            const float cosines =
-                std::max(0.0f, glm::dot(normal_, d)) * std::max(0.0f, -glm::dot(lightNormal_, d));
-            batch.weight[i] = cosines / (distance2 * distance2);
+            const float s = batch.s[i], t = batch.t[i];
+            const float x = corner.x + s * u.x + t * v.x;
+            const float y = corner.y + s * u.y + t * v.y;
+            const float z = corner.z + s * u.z + t * v.z;
+            const float distance2 = x * x + y * y + z * z;
+            const float cosP = x * normal.x + y * normal.y + z * normal.z;
+            const float cosL = -(x * lightNormal.x + y * lightNormal.y + z * lightNormal.z);
+            batch.weight[i] = std::max(0.0f, cosP) * std::max(0.0f, cosL) / (distance2 * distance2);
         }
     }
 
     void look(LightBatch& batch) override {
+        const glm::vec3 origin = origin_, corner = corner_, u = edgeU_, v = edgeV_;
         stream_.clear();
         for (std::size_t i = 0; i < batch.size; ++i)
-            stream_.add(origin_, corner_ + batch.s[i] * edgeU_ + batch.t[i] * edgeV_);
+            stream_.add(origin, corner + batch.s[i] * u + batch.t[i] * v);
         stream_.trace();
         for (std::size_t i = 0; i < batch.size; ++i) batch.visible[i] = !stream_.blocked(i);
     }

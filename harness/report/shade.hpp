@@ -12,7 +12,7 @@
 namespace penumbra {
 
 /// Pictures of a visibility image, for people to look at: linear RGB, channels R, G, B, as large as
-/// the G-buffer. Nothing here enters a number.
+/// the G-buffer. The metric flip reads them too; nothing else does.
 
 /// The error at which the colour scale ends, on every picture, so that any two can be compared.
 constexpr float kErrorScale = 0.25F;

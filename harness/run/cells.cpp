@@ -6,12 +6,14 @@
 #include "core/gl/context.hpp"
 #include "core/gl/work_counter.hpp"
 #include "core/sampling/sampling.hpp"
+#include "harness/run/gl_state.hpp"
 #include "harness/run/statistics.hpp"
 
 namespace penumbra {
 
 void SettingRun::warmUp(const Frame& frame, const Plan& plan, bool keepMaps,
                         const TextureTarget& target, Row& row) {
+    resetGlState();
     if (!method_ || !(plan_ == plan)) {
         method_ = setting_.make();
         builtFor_.reset();
@@ -47,6 +49,7 @@ void SettingRun::warmUp(const Frame& frame, const Plan& plan, bool keepMaps,
 }
 
 SettingRun::Sample SettingRun::timed(const Frame& frame, const TextureTarget& target) {
+    resetGlState();
     Sample sample;
     if (!kept_) {
         const gl::FencedTimer timer;
@@ -97,8 +100,8 @@ void runCells(const Frame& frame, const CellOptions& options, const std::vector<
         cell.row.height = frame.height();
         if (guarded(cell, [&] {
                 const auto method = run->setting().make();
-                const Plan plan = planFor(options.effects, options.calledFor,
-                                          method->traits().simulates);
+                const Plan plan =
+                    planFor(options.effects, options.calledFor, method->traits().simulates);
                 cell.row.effectsSimulated = plan.simulated.text();
                 cell.row.effectsSkipped = plan.skipped.text();
                 cell.row.effectsMissing = plan.missing.text();
@@ -110,9 +113,9 @@ void runCells(const Frame& frame, const CellOptions& options, const std::vector<
     for (int round = 0; round < options.repeats; ++round) {
         std::vector<std::pair<std::uint32_t, std::size_t>> order;
         for (std::size_t i = 0; i < cells.size(); ++i)
-            order.emplace_back(hash(frame.seed, static_cast<std::uint32_t>(round),
-                                    static_cast<std::uint32_t>(i)),
-                               i);
+            order.emplace_back(
+                hash(frame.seed, static_cast<std::uint32_t>(round), static_cast<std::uint32_t>(i)),
+                i);
         std::ranges::sort(order);
         for (const auto& [key, i] : order) {
             Cell& cell = cells[i];

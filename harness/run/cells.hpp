@@ -56,17 +56,17 @@ class SettingRun {
 struct CellOptions {
     EffectChoice effects;
     EffectSet calledFor;
-    /// The frame has the light inputs of the one before it: building is no part of its cost. That is
-    /// a fact of the scene, not of what this process did before, so that resumed and sharded runs
-    /// report the same as whole ones.
+    /// The frame has the light inputs of the one before it: building is no part of its cost. That
+    /// is a fact of the scene, not of what this process did before, so that resumed and sharded
+    /// runs report the same as whole ones.
     bool keepMaps = false;
     int repeats = 5;
 };
 
-/// Runs every setting in `runs` on one frame: a warm-up each, then the repeats in rounds whose order
-/// is drawn anew for each, so that drift of the machine hits all alike. A setting that throws gets a
-/// failed or unsupported row and drops out; the others go on. `done` is called once per setting with
-/// its row (metrics still empty) and its image (empty if failed).
+/// Runs every setting in `runs` on one frame: a warm-up each, then the repeats in rounds whose
+/// order is drawn anew for each, so that drift of the machine hits all alike. A setting that throws
+/// gets a failed or unsupported row and drops out; the others go on. `done` is called once per
+/// setting with its row (metrics still empty) and its image (empty if failed).
 void runCells(const Frame& frame, const CellOptions& options, const std::vector<SettingRun*>& runs,
               const TextureTarget& target,
               const std::function<void(Row&&, const std::vector<float>&)>& done);

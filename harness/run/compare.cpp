@@ -14,6 +14,7 @@
 #include "harness/report/report.hpp"
 #include "harness/run/cells.hpp"
 #include "harness/run/files.hpp"
+#include "harness/run/fill_flicker.hpp"
 #include "harness/run/progress.hpp"
 #include "harness/run/provenance.hpp"
 #include "harness/run/run_folder.hpp"
@@ -32,7 +33,8 @@ class PhaseClock {
             double& total;
             std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
             ~Guard() {
-                total += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+                total +=
+                    std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
             }
         } guard{seconds_[phase]};
         return work();
@@ -93,7 +95,8 @@ class Run {
           provenance_(gatherProvenance(context, threads)),
           progress_(countFrames()) {}
 
-    /// Reads what an earlier run left in the folder (`--resume`), or refuses a folder that is in use.
+    /// Reads what an earlier run left in the folder (`--resume`), or refuses a folder that is in
+    /// use.
     void openFolder();
     /// Runs every cell that has no row yet. Returns the exit code.
     int cells();
@@ -133,7 +136,8 @@ class Run {
 
 std::size_t Run::countFrames() const {
     std::size_t frames = 0;
-    for (const auto& scene : loaded_.scenes) frames += static_cast<std::size_t>(scene->frameCount());
+    for (const auto& scene : loaded_.scenes)
+        frames += static_cast<std::size_t>(scene->frameCount());
     return frames;
 }
 
@@ -155,19 +159,20 @@ void Run::openFolder() {
 
     const bool used = std::filesystem::exists(folder_.results());
     if (used && !options_.resume)
-        throw InputError(fmt::format("--out {}: holds a run already; continue it with --resume or "
-                                     "choose another folder",
-                                     folder_.root().string()));
+        throw InputError(
+            fmt::format("--out {}: holds a run already; continue it with --resume or "
+                        "choose another folder",
+                        folder_.root().string()));
     if (used) {
         const RunRecord before = RunRecord::read(folder_.record());
         if (before.width != record_.width || before.height != record_.height ||
             before.seed != record_.seed || before.reference != record_.reference ||
             before.referenceSe != record_.referenceSe || before.effects != record_.effects)
-            throw InputError(fmt::format(
-                "--resume {}: the run there has --size {}x{} --seed {} --reference {} "
-                "--reference-se {} --effects '{}'; a resumed run must have the same",
-                folder_.root().string(), before.width, before.height, before.seed, before.reference,
-                before.referenceSe, before.effects));
+            throw InputError(
+                fmt::format("--resume {}: the run there has --size {}x{} --seed {} --reference {} "
+                            "--reference-se {} --effects '{}'; a resumed run must have the same",
+                            folder_.root().string(), before.width, before.height, before.seed,
+                            before.reference, before.referenceSe, before.effects));
         record_.references = before.references;
         // Failed cells are tried again, so their rows go; the file is replaced in one step.
         std::string kept = csvHeader() + "\n";
@@ -193,6 +198,7 @@ int Run::cells() {
     for (const auto& [scene, reason] : loaded_.skipped) progress_.note(reason);
     for (std::size_t i = 0; i < loaded_.scenes.size(); ++i) runScene(i);
     csv_.reset();
+    clock_.measure("metrics", [&] { fillFlicker(folder_); });
     orderRows(folder_, record_);
     writeRecord(true);
     clock_.measure("images", [&] { writeArtefacts(folder_); });
@@ -235,7 +241,8 @@ void Run::runScene(std::size_t sceneIndex) {
         clock_.measure("frames", [&] {
             sceneFrame = scene.frame(index);
             if (sceneFrame.geometry != tracedGeometry) {
-                tracer = std::make_unique<Tracer>(sceneFrame.geometry, scene.materials, scene.images);
+                tracer =
+                    std::make_unique<Tracer>(sceneFrame.geometry, scene.materials, scene.images);
                 gpuGeometry = std::make_unique<GpuGeometry>(sceneFrame.geometry, materials);
                 tracedGeometry = sceneFrame.geometry;
             }
@@ -244,9 +251,17 @@ void Run::runScene(std::size_t sceneIndex) {
             bounds = boundLight(sceneFrame.light, gbuffer, *sceneFrame.geometry);
             keepMaps = keepsMaps(scene, index, sceneFrame, *tracer, bounds);
         });
-        const Frame frame{scene,   index,    sceneFrame.light,    bounds,
-                          sceneFrame.camera, sceneFrame.geometry, *tracer,
-                          gbuffer, textures, *gpuGeometry,        options_.seed};
+        const Frame frame{scene,
+                          index,
+                          sceneFrame.light,
+                          bounds,
+                          sceneFrame.camera,
+                          sceneFrame.geometry,
+                          *tracer,
+                          gbuffer,
+                          textures,
+                          *gpuGeometry,
+                          options_.seed};
         runFrame(scene, frame, keepMaps, pending);
         writeRecord(false);
     }
@@ -275,19 +290,21 @@ void Run::runFrame(const Scene& scene, const Frame& frame, bool keepMaps,
     const TextureTarget target(frame.width(), frame.height());
     std::vector<std::pair<Row, std::vector<float>>> finished;
     clock_.measure("methods", [&] {
-        runCells(frame,
-                 {options_.effects, effectsCalledFor(scene, sceneFrame), keepMaps, options_.repeats},
-                 pending, target, [&](Row&& row, const std::vector<float>& visibility) {
-                     finished.emplace_back(std::move(row), visibility);
-                 });
+        runCells(
+            frame,
+            {options_.effects, effectsCalledFor(scene, sceneFrame), keepMaps, options_.repeats},
+            pending, target, [&](Row&& row, const std::vector<float>& visibility) {
+                finished.emplace_back(std::move(row), visibility);
+            });
     });
+    const Scorer scorer =
+        clock_.measure("metrics", [&] { return Scorer(reference, frame.gbuffer); });
     for (auto& [row, visibility] : finished) {
         row.renderer = provenance_.renderer;
         row.threads = provenance_.threads;
         row.commit = provenance_.commit;
         if (row.status == "ok") {
-            row.metrics = clock_.measure(
-                "metrics", [&] { return score(visibility, reference, frame.gbuffer); });
+            row.metrics = clock_.measure("metrics", [&] { return scorer.score(visibility); });
             clock_.measure("images", [&] {
                 folder_.writeVisibility(scene.id, frame.index, row.setting, visibility, reference);
             });
@@ -337,8 +354,8 @@ Reference Run::referenceFor(const Scene& scene, const Frame& frame) {
 }  // namespace
 
 int compare(const CompareOptions& options) {
-    const int threads =
-        options.threads > 0 ? options.threads
+    const int threads = options.threads > 0
+                            ? options.threads
                             : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                     static_cast<std::size_t>(threads));

@@ -8,6 +8,7 @@
 #include "core/error.hpp"
 #include "harness/report/report.hpp"
 #include "harness/run/files.hpp"
+#include "harness/run/fill_flicker.hpp"
 
 namespace penumbra {
 namespace {
@@ -57,8 +58,8 @@ int mergeRuns(const std::filesystem::path& out, const std::vector<std::filesyste
             const auto [at, isNew] = rowOf.emplace(row.key(), run);
             if (!isNew)
                 throw InputError(fmt::format("{} and {} both have {} frame {} {}",
-                                             at->second.string(), run.string(), row.scene, row.frame,
-                                             row.setting));
+                                             at->second.string(), run.string(), row.scene,
+                                             row.frame, row.setting));
             failed |= row.status == "failed";
             text += toCsv(row) + "\n";
         }
@@ -83,6 +84,7 @@ int mergeRuns(const std::filesystem::path& out, const std::vector<std::filesyste
     }
     writeFileAtomically(target.results(), text);
     record.write(target.record());
+    fillFlicker(target);
     orderRows(target, record);
     writeArtefacts(target);
     return failed ? 3 : 0;

@@ -5,8 +5,8 @@
 
 namespace penumbra {
 
-/// Progress on stderr: on a terminal one line that rewrites itself, with the time left; elsewhere one
-/// plain line per step.
+/// Progress on stderr: on a terminal one line that rewrites itself, with the time left; elsewhere
+/// one plain line per step.
 class ProgressLine {
   public:
     explicit ProgressLine(std::size_t steps);

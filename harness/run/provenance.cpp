@@ -23,7 +23,8 @@ std::string commitOfTree() {
     const std::string git = "git -C '" PENUMBRA_SOURCE_DIR "' ";
     const std::string hash = firstLine(git + "rev-parse --short=12 HEAD 2>/dev/null");
     if (hash.empty()) return "unknown";
-    const bool changed = !firstLine(git + "status --porcelain --untracked-files=no 2>/dev/null").empty();
+    const bool changed =
+        !firstLine(git + "status --porcelain --untracked-files=no 2>/dev/null").empty();
     return changed ? hash + "+" : hash;
 }
 
@@ -39,19 +40,28 @@ std::string cpuModel() {
 
 std::string contextName(gl::ContextKind kind) {
     switch (kind) {
-        case gl::ContextKind::egl: return "egl";
-        case gl::ContextKind::glfw: return "glfw";
-        default: return "osmesa";
+        case gl::ContextKind::egl:
+            return "egl";
+        case gl::ContextKind::glfw:
+            return "glfw";
+        default:
+            return "osmesa";
     }
 }
 
 }  // namespace
 
 std::vector<std::pair<std::string, std::string>> Provenance::pairs() const {
-    return {{"renderer", renderer}, {"gl_version", glVersion}, {"context", context},
-            {"cpu", cpu},           {"threads", std::to_string(threads)},
-            {"build", buildType},   {"compiler", compiler},    {"version", version},
-            {"commit", commit},     {"started", started}};
+    return {{"renderer", renderer},
+            {"gl_version", glVersion},
+            {"context", context},
+            {"cpu", cpu},
+            {"threads", std::to_string(threads)},
+            {"build", buildType},
+            {"compiler", compiler},
+            {"version", version},
+            {"commit", commit},
+            {"started", started}};
 }
 
 Provenance gatherProvenance(const gl::Context& context, int threads) {
@@ -69,7 +79,9 @@ Provenance gatherProvenance(const gl::Context& context, int threads) {
     return p;
 }
 
-std::filesystem::path resultsFolder() { return PENUMBRA_SOURCE_DIR "/results"; }
+std::filesystem::path resultsFolder() {
+    return PENUMBRA_SOURCE_DIR "/results";
+}
 
 std::string utcNow(const char* format) {
     const std::time_t now = std::time(nullptr);

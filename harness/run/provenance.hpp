@@ -18,7 +18,8 @@ struct Provenance {
     std::string buildType;
     std::string compiler;
     std::string version;  ///< of Penumbra
-    std::string commit;   ///< short hash, "+" appended when the tree was changed, "unknown" outside git
+    std::string
+        commit;  ///< short hash, "+" appended when the tree was changed, "unknown" outside git
     std::string started;  ///< UTC, ISO 8601
     int threads = 0;
 

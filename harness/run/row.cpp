@@ -85,15 +85,6 @@ Column column(std::string_view name, Field field, bool measured = false) {
             }};
 }
 
-/// A column of the contract that nothing fills yet: read as an optional number and left out.
-Column reserved(std::string_view name) {
-    return {name, false, [](const Row&) { return std::string(); },
-            [](Row&, const std::string& text) {
-                std::optional<double> ignored;
-                return parseField(text, ignored);
-            }};
-}
-
 #define FIELD(member)        \
     [](auto& row) -> auto& { \
         return row.member;   \
@@ -129,15 +120,15 @@ const std::vector<Column>& columns() {
         column("bias", FIELD(metrics.bias)),
         column("p99", FIELD(metrics.p99)),
         column("max_error", FIELD(metrics.maxError)),
-        reserved("ssim"),
-        reserved("flip"),
+        column("ssim", FIELD(metrics.ssim)),
+        column("flip", FIELD(metrics.flip)),
         column("rmse_lit", FIELD(metrics.rmseLit)),
         column("rmse_penumbra", FIELD(metrics.rmsePenumbra)),
         column("rmse_umbra", FIELD(metrics.rmseUmbra)),
         column("leak_rate", FIELD(metrics.leakRate)),
         column("false_shadow_rate", FIELD(metrics.falseShadowRate)),
-        reserved("noise"),
-        reserved("flicker"),
+        column("noise", FIELD(metrics.noise)),
+        column("flicker", FIELD(metrics.flicker)),
         column("scored_pixels", FIELD(metrics.scoredPixels), true),
         column("horizon_pixels", FIELD(metrics.horizonPixels), true),
         column("nonfinite", FIELD(metrics.nonfinite), true),
@@ -149,6 +140,7 @@ const std::vector<Column>& columns() {
         column("renderer", FIELD(renderer)),
         column("threads", FIELD(threads)),
         column("commit", FIELD(commit)),
+        column("rmse_corrected", FIELD(metrics.rmseCorrected)),
     };
     return kColumns;
 }

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-
 #include "core/error.hpp"
 #include "core/image/image.hpp"
 
@@ -11,8 +10,8 @@ namespace penumbra {
 namespace {
 
 constexpr int kPosition = 0, kNormal = 3, kMask = 6, kAlbedo = 7;
-const std::vector<std::string> kGBufferChannels = {"P.X", "P.Y",  "P.Z",      "N.X",      "N.Y",
-                                                   "N.Z", "mask", "albedo.R", "albedo.G", "albedo.B"};
+const std::vector<std::string> kGBufferChannels = {
+    "P.X", "P.Y", "P.Z", "N.X", "N.Y", "N.Z", "mask", "albedo.R", "albedo.G", "albedo.B"};
 
 }  // namespace
 
@@ -23,8 +22,7 @@ std::filesystem::path RunFolder::images(const std::string& scene, int frame) con
 void RunFolder::create() const {
     std::error_code error;
     std::filesystem::create_directories(root_, error);
-    if (error)
-        throw InputError(fmt::format("--out {}: {}", root_.string(), error.message()));
+    if (error) throw InputError(fmt::format("--out {}: {}", root_.string(), error.message()));
     if (access(root_.c_str(), W_OK) != 0)
         throw InputError(fmt::format("--out {}: the folder is not writable", root_.string()));
 }
@@ -76,8 +74,11 @@ GBuffer RunFolder::readGBuffer(const std::string& scene, int frame) const {
     g.width = image.width;
     g.height = image.height;
     const auto vectors = [&](int first) {
-        const auto name = [&](int i) { return kGBufferChannels[static_cast<std::size_t>(first + i)]; };
-        const auto x = image.channel(name(0)), y = image.channel(name(1)), z = image.channel(name(2));
+        const auto name = [&](int i) {
+            return kGBufferChannels[static_cast<std::size_t>(first + i)];
+        };
+        const auto x = image.channel(name(0)), y = image.channel(name(1)),
+                   z = image.channel(name(2));
         std::vector<glm::vec3> out(x.size());
         for (std::size_t i = 0; i < out.size(); ++i) out[i] = {x[i], y[i], z[i]};
         return out;

@@ -21,7 +21,8 @@ Json pairsToJson(const std::vector<std::pair<std::string, std::string>>& pairs) 
 
 std::vector<std::pair<std::string, std::string>> pairsFromJson(const Json& object) {
     std::vector<std::pair<std::string, std::string>> pairs;
-    for (const auto& [key, value] : object.items()) pairs.emplace_back(key, value.get<std::string>());
+    for (const auto& [key, value] : object.items())
+        pairs.emplace_back(key, value.get<std::string>());
     return pairs;
 }
 
@@ -53,7 +54,8 @@ void RunRecord::write(const std::filesystem::path& path) const {
     j["references"] = nlohmann::json(references);
     j["phases"] = nlohmann::json(phases);
     j["skipped_scenes"] = pairsToJson(skippedScenes);
-    writeFileAtomically(path, j.dump(2) + "\n");
+    // A path in the command may be no UTF-8.
+    writeFileAtomically(path, j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 RunRecord RunRecord::read(const std::filesystem::path& path) {

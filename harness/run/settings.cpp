@@ -64,13 +64,14 @@ std::vector<Setting> expandSettings(const SettingChoice& choice) {
 
     std::map<std::string, std::vector<Assignments>> variants;
     for (const std::string& id : ids)
-        variants[id] = choice.ladder ? findMethod(id).make()->ladder() : std::vector<Assignments>{{}};
+        variants[id] =
+            choice.ladder ? findMethod(id).make()->ladder() : std::vector<Assignments>{{}};
     const auto variantsOf = [&](const std::string& option, const Assigned& a) -> auto& {
         findMethod(a.method);
         const auto it = variants.find(a.method);
         if (it == variants.end())
-            throw InputError(fmt::format("{} {}.{}: {} is not among the methods of this run", option,
-                                         a.method, a.parameter, a.method));
+            throw InputError(fmt::format("{} {}.{}: {} is not among the methods of this run",
+                                         option, a.method, a.parameter, a.method));
         return it->second;
     };
     for (const std::string& text : choice.sets) {

@@ -21,14 +21,16 @@ struct Setting {
 
 /// What the command line says about settings.
 struct SettingChoice {
-    std::vector<std::string> methods;  ///< ids; empty: all registered
-    std::vector<std::string> sets;     ///< "ID.P=V": applies to every setting of method ID
-    std::vector<std::string> sweeps;   ///< "ID.P=V1,V2": one setting per value, crossed with others of ID
-    bool ladder = false;               ///< every method's ladder instead of its defaults
+    std::vector<std::string> methods{};  ///< ids; empty: all registered
+    std::vector<std::string> sets{};     ///< "ID.P=V": applies to every setting of method ID
+    /// "ID.P=V1,V2": one setting per value, crossed with the others of ID
+    std::vector<std::string> sweeps{};
+    bool ladder = false;  ///< every method's ladder instead of its defaults
 };
 
-/// Every setting asked for, without repetition, in the order of the methods. Throws InputError for an
-/// unknown method (a --set or --sweep for a method that is not run included), parameter or value.
+/// Every setting asked for, without repetition, in the order of the methods. Throws InputError for
+/// an unknown method (a --set or --sweep for a method that is not run included), parameter or
+/// value.
 std::vector<Setting> expandSettings(const SettingChoice& choice);
 
 }  // namespace penumbra

@@ -13,8 +13,7 @@ namespace penumbra {
 std::vector<std::string> suiteIds(const SceneLibrary& library) {
     std::vector<std::string> ids;
     std::error_code error;
-    for (const auto& entry :
-         std::filesystem::directory_iterator(library.scripts / "suites", error))
+    for (const auto& entry : std::filesystem::directory_iterator(library.scripts / "suites", error))
         if (entry.path().extension() == ".toml") ids.push_back(entry.path().stem());
     std::ranges::sort(ids);
     return ids;
@@ -27,18 +26,19 @@ Suite loadSuite(const std::string& id, const SceneLibrary& library) {
             fmt::format("unknown suite '{}'; the suites are {}", id, fmt::join(known, ", ")));
     const std::string file = (library.scripts / "suites" / (id + ".toml")).string();
     const auto fail = [&](const toml::node* node, const std::string& what) -> InputError {
-        return InputError(fmt::format("{}:{}: {}", file, node ? node->source().begin.line : 1, what));
+        return InputError(
+            fmt::format("{}:{}: {}", file, node ? node->source().begin.line : 1, what));
     };
     toml::table table;
     try {
         table = toml::parse_file(file);
     } catch (const toml::parse_error& e) {
-        throw InputError(
-            fmt::format("{}:{}: {}", file, e.source().begin.line, e.description()));
+        throw InputError(fmt::format("{}:{}: {}", file, e.source().begin.line, e.description()));
     }
     for (const auto& [key, node] : table)
         if (key != "shows" && key != "scenes")
-            throw fail(&node, fmt::format("unknown key '{}'; valid keys are shows, scenes", key.str()));
+            throw fail(&node,
+                       fmt::format("unknown key '{}'; valid keys are shows, scenes", key.str()));
     const toml::node* shows = table.get("shows");
     if (shows && !shows->is_string()) throw fail(shows, "'shows' must be a string");
     Suite suite{id, table["shows"].value_or(std::string()), {}};

@@ -192,6 +192,62 @@ TEST(Score, ReferenceErrorIsRmsOverScoredPenumbraPixels) {
     EXPECT_DOUBLE_EQ(m.referenceSe.value(), 0.03125 / std::sqrt(2.0));
 }
 
+TEST(Score, CorrectedRmseLeavesOutTheReferencesNoise) {
+    Strip strip({0, 0.5F, 0.5F, 1});
+    strip.reference.standardError = {0.5F, 0.25F, 0.25F, 0.5F};
+    // Errors 1/2 and 1/2 in the penumbra. Of the reference only measured errors count: the bound of
+    // 1/2 at pixels whose rays all agree is no error.
+    const Metrics m = strip.score({0, 1, 0, 1});
+    EXPECT_DOUBLE_EQ(m.rmse.value(), std::sqrt(0.5 / 4));
+    EXPECT_DOUBLE_EQ(m.rmseCorrected.value(), std::sqrt((0.5 - 0.125) / 4));
+    EXPECT_EQ(strip.score({0, 0.625F, 0.5F, 1}).rmseCorrected, 0.0) << "noise explains it all";
+    EXPECT_FALSE(strip.score({kNan, kNan, kNan, kNan}).rmseCorrected);
+}
+
+/// A square of scored pixels, large enough for SSIM's window.
+Strip square(const std::vector<float>& truth) {
+    Strip out(truth);
+    out.gbuffer.width = out.gbuffer.height = out.reference.width = out.reference.height =
+        static_cast<int>(std::lround(std::sqrt(static_cast<double>(truth.size()))));
+    return out;
+}
+
+TEST(Score, PerfectImageIsSimilarAndUnflipped) {
+    const Strip strip = square(std::vector<float>(256, 0.5F));
+    const Metrics m = strip.score(strip.reference.visibility);
+    EXPECT_NEAR(m.ssim.value(), 1.0, 1e-12);  // rounding of variances, over C2
+    EXPECT_EQ(m.flip, 0.0);
+    EXPECT_EQ(m.noise, 0.0);
+    EXPECT_FALSE(m.flicker) << "one frame has none";
+    EXPECT_FALSE(Strip({0, 1}).score({0, 1}).ssim) << "no window fits";
+}
+
+TEST(Score, FlipIsOfTheShadedPictures) {
+    // All albedos and irradiances alike: V is drawn as 0.8 (V + 0.04), 4 % being ambient. FLIP of
+    // constant greys depends on lightness alone: L = 116 cbrt(Y) - 16, d = |L1 - L0|^0.7.
+    const Strip strip = square(std::vector<float>(256, 1.0F));
+    const double lit = 116 * std::cbrt(0.8 * 1.04) - 16, dark = 116 * std::cbrt(0.8 * 0.54) - 16;
+    const double cmax = 41.2761, distance = std::pow(lit - dark, 0.7);
+    ASSERT_LT(distance, 0.4 * cmax);
+    // cmax has six digits, the picture float.
+    EXPECT_NEAR(strip.score(std::vector<float>(256, 0.5F)).flip.value(),
+                distance * 0.95 / (0.4 * cmax), 1e-5);
+}
+
+TEST(Score, WhatNobodyAnswersForDoesNotShowInNeighbours) {
+    Strip strip = square(std::vector<float>(400, 0.5F));
+    std::vector<float> drawn(400, 0.5F);
+    for (std::size_t i = 0; i < 400; i += 7) {
+        strip.gbuffer.mask[i] = static_cast<PixelClass>(i % 4 == 1 ? 0 : i % 4);
+        if (strip.gbuffer.mask[i] != PixelClass::background) drawn[i] = i % 2 ? kNan : 0.9F;
+    }
+    drawn[18] = kNan;
+    const Metrics m = strip.score(drawn);
+    EXPECT_EQ(m.flip, 0.0);
+    EXPECT_NEAR(m.ssim.value(), 1.0, 1e-12);
+    EXPECT_EQ(m.noise, 0.0);
+}
+
 TEST(Score, SmallErrorsSurviveBesideLargeOnes) {
     // A million errors of 2^-12 after one of 1: in float their squares would vanish in the sum.
     std::vector<float> drawn(1'000'001, 1.0F / 4096);
@@ -216,7 +272,7 @@ TEST(AllMetrics, AreDocumentedCsvColumnsInTheirOrder) {
         EXPECT_FALSE(metric.unit.empty()) << metric.id;
         EXPECT_GT(metric.doc.size(), 20U) << metric.id;
     }
-    EXPECT_EQ(allMetrics().size(), 15U);
+    EXPECT_EQ(allMetrics().size(), 20U);
 }
 
 }  // namespace
