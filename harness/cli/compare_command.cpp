@@ -67,7 +67,10 @@ void addCompareCommand(CLI::App& app, Action& action, const std::string& command
     command->add_option("--threads", o.threads, "CPU threads (default: all)")
         ->check(CLI::Range(1, 1024));
     command->add_option("--context", entered->context, "osmesa | egl | glfw | auto");
-    command->add_option("--reference", o.reference, "embree")->check(CLI::IsMember({"embree"}));
+    command
+        ->add_option("--reference", o.reference,
+                     "embree | exact (polygon clipping; no noise, slow in clutter)")
+        ->check(CLI::IsMember({"embree", "exact"}));
     command->add_option("--reference-se", o.referenceSe, "standard error to reach in every pixel");
     command->add_option("--cache", o.cache, "folder of cached references");
     command->add_option("--out", o.out, "run folder (default: results/<time>)");

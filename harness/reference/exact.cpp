@@ -36,17 +36,6 @@ constexpr double kNarrow = 1e-6;
 /// visible share of its area differs from that of its irradiance.
 constexpr double kSmallLight = 1e-8;
 
-void refuseMasked(const Geometry& geometry, const std::vector<Material>& materials) {
-    for (const Part& part : geometry.parts) {
-        const Material& material = materials[part.material];
-        if (material.masked && part.indexCount > 0)
-            throw InputError(
-                fmt::format("--reference exact: material '{}' is alpha-masked; exact visibility "
-                            "knows polygons only, use --reference embree",
-                            material.name));
-    }
-}
-
 bool isAsked(PixelClass mask) {
     return mask == PixelClass::scored || mask == PixelClass::horizon;
 }
@@ -262,6 +251,17 @@ void traceInstead(const Tracer& tracer, const GBuffer& gbuffer, const AreaLight&
 }
 
 }  // namespace
+
+void refuseMasked(const Geometry& geometry, const std::vector<Material>& materials) {
+    for (const Part& part : geometry.parts) {
+        const Material& material = materials[part.material];
+        if (material.masked && part.indexCount > 0)
+            throw InputError(
+                fmt::format("--reference exact: material '{}' is alpha-masked; exact visibility "
+                            "knows polygons only, use --reference embree",
+                            material.name));
+    }
+}
 
 Reference exactReference(const Tracer& tracer, const std::vector<Material>& materials,
                          const GBuffer& gbuffer, const AreaLight& light,

@@ -24,6 +24,9 @@ struct ExactStats {
     std::size_t tracedPixels = 0;  ///< above ExactOptions::maxEdges: those with rays > 0
 };
 
+/// Throws InputError if a triangle's material is alpha-masked: its outline is no polygon.
+void refuseMasked(const Geometry& geometry, const std::vector<Material>& materials);
+
 /// Visibility without noise: every triangle between the point and the light is cut to that range,
 /// projected onto the light, and the area of the union of all of them is what the point does not
 /// see. The coupled irradiance is Lambert's integral over the same polygons.

@@ -58,6 +58,20 @@ class PixelEstimator::Pilot {
     bool trace(LightProbe& probe, const std::vector<SobolPoint>& net, std::uint32_t seed) {
         const Shift shift(hash(seed, kPilotSalt));
         LightBatch batch;
+        static_assert(kCoarseCells == LightBatch::kCapacity);
+        for (int i = 0; i < kCoarseCells; ++i) {
+            const SobolPoint p = shift(net[i]);
+            batch.s[i] = toUnitFloat(p.x);
+            batch.t[i] = toUnitFloat(p.y);
+        }
+        batch.size = kCoarseCells;
+        probe.look(batch);
+        rays_ += kCoarseCells;
+        int litCount = 0;
+        for (const std::uint8_t visible : batch.visible) litCount += visible;
+        constantVisibility_ = litCount == 0 ? 0.0 : 1.0;
+        if (litCount == 0 || litCount == kCoarseCells) return false;
+
         std::array<Cell, LightBatch::kCapacity> cells;
         const auto add = [&](const SobolPoint& point) {
             const SobolPoint p = shift(point);
@@ -65,17 +79,11 @@ class PixelEstimator::Pilot {
             batch.t[batch.size] = toUnitFloat(p.y);
             cells[batch.size++] = cellOf(p);
         };
-        static_assert(kCoarseCells == LightBatch::kCapacity);
-        for (int i = 0; i < kCoarseCells; ++i) add(net[i]);
-        probe.look(batch);
-        rays_ += kCoarseCells;
         BitGrid<kCoarseGrid> coarse;
-        for (int i = 0; i < kCoarseCells; ++i)
-            if (batch.visible[i]) coarse.set({cells[i].x / 2, cells[i].y / 2});
-        const int litCount = coarse.count();
-        constantVisibility_ = litCount == 0 ? 0.0 : 1.0;
-        if (litCount == 0 || litCount == kCoarseCells) return false;
-
+        for (int i = 0; i < kCoarseCells; ++i) {
+            const Cell cell = cellOf(shift(net[i]));
+            if (batch.visible[i]) coarse.set({cell.x / 2, cell.y / 2});
+        }
         for (int y = 0; y < kGrid; ++y)
             for (int x = 0; x < kGrid; ++x)
                 if (coarse[{x / 2, y / 2}]) lit.set({x, y});
@@ -280,38 +288,43 @@ bool PixelEstimator::confirm(LightProbe& probe, std::uint32_t seed, Pilot& pilot
     return false;
 }
 
+PixelEstimator::Weights PixelEstimator::weightsOff(LightProbe& probe, const Pilot& pilot) {
+    constexpr int kRows = LightBatch::kCapacity / kGrid;
+    Weights sums;
+    LightBatch centres;
+    centres.size = LightBatch::kCapacity;
+    for (int top = 0; top < kGrid; top += kRows) {
+        for (int i = 0; i < kRows * kGrid; ++i) {
+            centres.s[i] = (static_cast<float>(i % kGrid) + 0.5f) / kGrid;
+            centres.t[i] = (static_cast<float>(top + i / kGrid) + 0.5f) / kGrid;
+        }
+        probe.weigh(centres);
+        for (int i = 0; i < kRows * kGrid; ++i) {
+            const Cell cell{i % kGrid, top + i / kGrid};
+            if (pilot.silhouette[cell]) continue;
+            sums.all += centres.weight[i];
+            if (pilot.lit[cell]) sums.lit += centres.weight[i];
+        }
+    }
+    return sums;
+}
+
 PixelEstimate PixelEstimator::alongSilhouette(LightProbe& probe, std::uint32_t seed,
                                               const Pilot& pilot, int raysSpent) const {
     // The silhouettes' cells in rows, every other one backwards, so that neighbours in the list are
-    // neighbours on the light as far as can be; and the irradiance of all others by the midpoint
-    // rule.
+    // neighbours on the light as far as can be.
     std::array<Cell, kMaxSilhouetteCells> list;
     std::uint32_t cells = 0;
     int litCells = 0;
-    double weightLit = 0.0, weightAll = 0.0;
-    LightBatch centres;
-    const auto addCentres = [&] {
-        probe.weigh(centres);
-        for (std::size_t i = 0; i < centres.size; ++i) {
-            weightAll += centres.weight[i];
-            if (centres.visible[i]) weightLit += centres.weight[i];
+    for (int y = 0; y < kGrid; ++y) {
+        litCells += std::popcount(pilot.lit.row[y] & ~pilot.silhouette.row[y]);
+        for (std::uint32_t left = pilot.silhouette.row[y]; left != 0;) {
+            const int x = y % 2 == 0 ? std::countr_zero(left) : 31 - std::countl_zero(left);
+            list[cells++] = {x, y};
+            left &= ~(1u << x);
         }
-        centres.size = 0;
-    };
-    for (int k = 0; k < kCells; ++k) {
-        const int y = k / kGrid;
-        const Cell cell{y % 2 == 0 ? k % kGrid : kGrid - 1 - k % kGrid, y};
-        if (pilot.silhouette[cell]) {
-            list[cells++] = cell;
-            continue;
-        }
-        litCells += pilot.lit[cell];
-        centres.s[centres.size] = (static_cast<float>(cell.x) + 0.5f) / kGrid;
-        centres.t[centres.size] = (static_cast<float>(cell.y) + 0.5f) / kGrid;
-        centres.visible[centres.size] = pilot.lit[cell];
-        if (++centres.size == LightBatch::kCapacity) addCentres();
     }
-    addCentres();
+    auto [weightLit, weightAll] = weightsOff(probe, pilot);
 
     const double area = static_cast<double>(cells) / kCells;
     const int affordable = std::max(1, (maxRays_ - raysSpent) / kReplicates);

@@ -72,6 +72,11 @@ class PixelEstimator {
     /// Whether fresh rays see what the pilot says off the silhouettes. Where they do not, the
     /// silhouettes grow by the surroundings, and may be confirmed by another seed.
     bool confirm(LightProbe& probe, std::uint32_t seed, Pilot& pilot, int& rays) const;
+    struct Weights {
+        double lit = 0.0, all = 0.0;
+    };
+    /// Sums over the cells off the silhouettes, by the midpoint rule.
+    static Weights weightsOff(LightProbe& probe, const Pilot& pilot);
     PixelEstimate alongSilhouette(LightProbe& probe, std::uint32_t seed, const Pilot& pilot,
                                   int raysSpent) const;
     PixelEstimate wholeLight(LightProbe& probe, std::uint32_t seed, int points, int raysSpent,

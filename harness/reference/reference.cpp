@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <memory>
 #include <mutex>
 #include <numeric>
 
@@ -186,6 +187,15 @@ std::vector<std::uint32_t> doubtful(const std::vector<std::uint32_t>& pixels,
     return found;
 }
 
+/// Tables of the default budget take 10 ms, as much as a small image's rays, and are kept. Adaptive
+/// sampling reads prefixes that a larger table has too; a uniform count may end anywhere.
+std::shared_ptr<const ReplicateTables> tablesFor(int points, bool adaptive) {
+    constexpr int kKept = ReferenceOptions{}.maxRaysPerPixel / ReplicateTables::kReplicates;
+    if (!adaptive || points > kKept) return std::make_shared<ReplicateTables>(points);
+    static const auto kept = std::make_shared<const ReplicateTables>(kKept);
+    return kept;
+}
+
 }  // namespace
 
 double Reference::totalRays() const {
@@ -200,9 +210,9 @@ Reference traceReference(const Tracer& tracer, const GBuffer& gbuffer, const Are
         tracePoint(pixels, tracer, gbuffer, light, progress, out);
         return out;
     }
-    const ReplicateTables tables(
-        std::max(1, options.maxRaysPerPixel / ReplicateTables::kReplicates));
-    const PixelEstimator estimator(tables, options.targetStandardError, options.maxRaysPerPixel);
+    const int points = std::max(1, options.maxRaysPerPixel / ReplicateTables::kReplicates);
+    const std::shared_ptr<const ReplicateTables> tables = tablesFor(points, options.adaptive);
+    const PixelEstimator estimator(*tables, options.targetStandardError, options.maxRaysPerPixel);
     const auto seedOf = [&](std::uint32_t i) { return hash(i, options.seed); };
 
     constexpr double kMainShare = 0.9;  // of the progress; the guard's share is not known before

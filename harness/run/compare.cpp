@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "core/error.hpp"
+#include "harness/reference/exact.hpp"
 #include "harness/report/report.hpp"
 #include "harness/run/cells.hpp"
 #include "harness/run/files.hpp"
@@ -76,6 +77,9 @@ LoadedScenes loadScenes(const CompareOptions& options) {
             loaded.skipped.emplace_back(name, e.what());
         }
     }
+    if (options.reference == "exact")
+        for (const auto& scene : loaded.scenes)
+            refuseMasked(*scene->frame(0).geometry, scene->materials);
     if (loaded.scenes.empty())
         throw InputError("nothing to render: " +
                          (loaded.skipped.empty() ? "no scene" : loaded.skipped.front().second));
@@ -141,6 +145,14 @@ std::size_t Run::countFrames() const {
     return frames;
 }
 
+/// What a kill left of files that were being written beside their names.
+void removeTornFiles(const std::filesystem::path& folder) {
+    std::vector<std::filesystem::path> torn;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
+        if (entry.path().extension() == ".tmp") torn.push_back(entry.path());
+    for (const auto& path : torn) std::filesystem::remove(path);
+}
+
 void Run::openFolder() {
     record_.command = options_.command;
     record_.width = options_.width;
@@ -174,6 +186,7 @@ void Run::openFolder() {
                             folder_.root().string(), before.width, before.height, before.seed,
                             before.reference, before.referenceSe, before.effects));
         record_.references = before.references;
+        removeTornFiles(folder_.root());
         // Failed cells are tried again, so their rows go; the file is replaced in one step.
         std::string kept = csvHeader() + "\n";
         for (const Row& row : readCsv(folder_.results())) {
@@ -322,33 +335,49 @@ Reference Run::referenceFor(const Scene& scene, const Frame& frame) {
     options.targetStandardError = options_.referenceSe;
     options.seed = options_.seed;
     const auto start = std::chrono::steady_clock::now();
-    const std::string key = ReferenceCache::key(*frame.geometry, scene.materials, scene.images,
-                                                frame.gbuffer, frame.light, options);
-    std::optional<Reference> reference = cache_.load(key, frame.width(), frame.height());
-    const bool cached = reference.has_value();
-    if (!cached) {
-        reference = traceReference(frame.tracer, frame.gbuffer, frame.light, options,
-                                   [&](double fraction) { progress_.within(fraction); });
-        try {
-            cache_.store(key, *reference);
-        } catch (const std::exception& e) {
-            progress_.note(fmt::format("the reference is not cached: {}", e.what()));
+    Reference reference;
+    bool cached = false;
+    const Progress progress = [&](double fraction) { progress_.within(fraction); };
+    if (options_.reference == "exact") {
+        ExactOptions exact;
+        exact.fallback = options;
+        ExactStats counts;
+        reference = exactReference(frame.tracer, scene.materials, frame.gbuffer, frame.light, exact,
+                                   progress, &counts);
+        if (counts.tracedPixels > 0)
+            progress_.note(
+                fmt::format("{} frame {}: {} pixels of the reference are traced, not exact",
+                            scene.id, frame.index, counts.tracedPixels));
+    } else {
+        const std::string key = ReferenceCache::key(*frame.geometry, scene.materials, scene.images,
+                                                    frame.gbuffer, frame.light, options);
+        std::optional<Reference> stored = cache_.load(key, frame.width(), frame.height());
+        cached = stored.has_value();
+        if (cached) {
+            reference = *std::move(stored);
+        } else {
+            reference = traceReference(frame.tracer, frame.gbuffer, frame.light, options, progress);
+            try {
+                cache_.store(key, reference);
+            } catch (const std::exception& e) {
+                progress_.note(fmt::format("the reference is not cached: {}", e.what()));
+            }
         }
     }
-    ReferenceStats stats{scene.id, frame.index, reference->totalRays(), 0.0, cached, 0, 0, 0.0};
+    ReferenceStats stats{scene.id, frame.index, reference.totalRays(), 0.0, cached, 0, 0, 0.0};
     stats.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    for (LightClass c : classifyLight(*reference, frame.gbuffer))
+    for (LightClass c : classifyLight(reference, frame.gbuffer))
         stats.penumbraPixels += c == LightClass::penumbra;
     stats.scoredPixels = frame.gbuffer.count(PixelClass::scored);
     float most = 0.0f;
     std::size_t traced = 0;
-    for (float rays : reference->rays) most = std::max(most, rays), traced += rays > 0.0f;
+    for (float rays : reference.rays) most = std::max(most, rays), traced += rays > 0.0f;
     stats.uniformEquivalentRays = static_cast<double>(most) * static_cast<double>(traced);
     std::erase_if(record_.references, [&](const ReferenceStats& s) {
         return s.scene == stats.scene && s.frame == stats.frame;
     });
     record_.references.push_back(stats);
-    return *std::move(reference);
+    return reference;
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 namespace penumbra {
 
 void writeFileAtomically(const std::filesystem::path& path, const std::string& text) {
-    const std::filesystem::path temporary = fmt::format("{}.{}.part", path.string(), getpid());
+    const std::filesystem::path temporary = fmt::format("{}.{}.tmp", path.string(), getpid());
     std::ofstream file(temporary, std::ios::binary);
     file << text;
     file.close();
