@@ -246,27 +246,38 @@ struct Tracer::Stream::Rays {
 };
 
 Tracer::Stream::Stream(const Tracer& tracer) : tracer_(tracer), rays_(std::make_unique<Rays>()) {
+    // What is the same for all rays; Embree changes nothing but tfar.
     for (RTCRay& ray : rays_->ray) {
-        ray.tnear = 0.0f;
-        ray.time = 0.0f;
+        ray = {};
         ray.mask = ~0u;
-        ray.id = 0;
-        ray.flags = 0;
     }
 }
-
 Tracer::Stream::~Stream() = default;
 
-// What no trace changes was set once.
-void Tracer::Stream::add(const glm::vec3& origin, const glm::vec3& target) {
-    RTCRay& ray = rays_->ray[size_++];
+namespace {
+
+void setSegment(RTCRay& ray, const glm::vec3& origin, const glm::vec3& direction) {
     ray.org_x = origin.x;
     ray.org_y = origin.y;
     ray.org_z = origin.z;
-    ray.dir_x = target.x - origin.x;
-    ray.dir_y = target.y - origin.y;
-    ray.dir_z = target.z - origin.z;
+    ray.dir_x = direction.x;
+    ray.dir_y = direction.y;
+    ray.dir_z = direction.z;
     ray.tfar = 1.0f - 1e-4f;
+}
+
+}  // namespace
+
+void Tracer::Stream::add(const glm::vec3& origin, const glm::vec3& target) {
+    setSegment(rays_->ray[size_++], origin, target - origin);
+}
+
+void Tracer::Stream::addToRectangle(const glm::vec3& origin, const glm::vec3& corner,
+                                    const glm::vec3& edgeU, const glm::vec3& edgeV, const float* s,
+                                    const float* t, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i)
+        setSegment(rays_->ray[size_ + i], origin, corner + s[i] * edgeU + t[i] * edgeV - origin);
+    size_ += count;
 }
 
 void Tracer::Stream::trace() {
@@ -275,6 +286,10 @@ void Tracer::Stream::trace() {
     context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
     rtcOccluded1M(tracer_.impl_->scene, &context, rays_->ray.data(), static_cast<unsigned>(size_),
                   sizeof(RTCRay));
+}
+
+void Tracer::Stream::readVisible(std::uint8_t* out) const {
+    for (std::size_t i = 0; i < size_; ++i) out[i] = rays_->ray[i].tfar >= 0.0f;
 }
 
 bool Tracer::Stream::blocked(std::size_t i) const {

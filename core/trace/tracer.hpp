@@ -16,7 +16,8 @@ namespace penumbra {
 struct SurfaceHit {
     bool hit = false;
     std::uint32_t triangle = 0;
-    glm::dvec3 position{0.0};  ///< on the triangle's plane, in double: rounding it to float is its only error
+    glm::dvec3 position{
+        0.0};  ///< on the triangle's plane, in double: rounding it to float is its only error
     glm::vec3 geometricNormal{0.0f};  ///< unit, towards the ray's origin
     glm::vec3 shadingNormal{0.0f};    ///< unit, interpolated, on the geometric normal's side
     glm::vec2 uv{0.0f};
@@ -54,9 +55,9 @@ class Tracer {
     class Stream;
 
     /// Origin of shadow rays that leave the surface at `position`: moved along the unit
-    /// `geometricNormal` towards `towards` by the least distance that clears the rounding of positions
-    /// at the geometry's extent, so that no surface shadows itself and the result is the same at any
-    /// scale (METHODS.md R3).
+    /// `geometricNormal` towards `towards` by the least distance that clears the rounding of
+    /// positions at the geometry's extent, so that no surface shadows itself and the result is the
+    /// same at any scale (METHODS.md R3).
     glm::vec3 shadowOrigin(const glm::vec3& position, const glm::vec3& geometricNormal) const;
 
   private:
@@ -79,9 +80,15 @@ class Tracer::Stream {
     std::size_t size() const { return size_; }
     bool full() const { return size_ == kStreamSize; }
     void add(const glm::vec3& origin, const glm::vec3& target);
+    /// Adds `count` segments from `origin` to corner + s[i] edgeU + t[i] edgeV, as many add() calls
+    /// would, at half their cost.
+    void addToRectangle(const glm::vec3& origin, const glm::vec3& corner, const glm::vec3& edgeU,
+                        const glm::vec3& edgeV, const float* s, const float* t, std::size_t count);
     /// Traces all rays added since clear(); afterwards blocked(i) tells of the i-th added.
     void trace();
     bool blocked(std::size_t i) const;
+    /// out[i] = 1 where the i-th added segment is free, 0 where it is blocked; size() entries.
+    void readVisible(std::uint8_t* out) const;
 
   private:
     const Tracer& tracer_;

@@ -18,7 +18,7 @@
 namespace penumbra {
 namespace {
 
-constexpr int kSize = 96;  // pixels across: all rays of an image of this size fit into 2 GiB
+constexpr int kSize = 160;  // pixels across: all rays of an image of this size fit into 2 GiB
 
 /// Looks through a tracer and keeps every ray.
 class RecordingProbe final : public LightProbe {

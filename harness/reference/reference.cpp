@@ -52,12 +52,11 @@ class SurfaceProbe final : public LightProbe {
     }
 
     void look(LightBatch& batch) override {
-        const glm::vec3 origin = origin_, corner = corner_, u = edgeU_, v = edgeV_;
         stream_.clear();
-        for (std::size_t i = 0; i < batch.size; ++i)
-            stream_.add(origin, corner + batch.s[i] * u + batch.t[i] * v);
+        stream_.addToRectangle(origin_, corner_, edgeU_, edgeV_, batch.s.data(), batch.t.data(),
+                               batch.size);
         stream_.trace();
-        for (std::size_t i = 0; i < batch.size; ++i) batch.visible[i] = !stream_.blocked(i);
+        stream_.readVisible(batch.visible.data());
     }
 
   private:
