@@ -2,7 +2,8 @@
 // (Reeves, Salesin, Cook 1987; METHODS.md 2). Every tap compares against the receiver's own plane
 // followed to that tap (receiver-plane depth bias), so wide kernels do not shade slopes. The
 // penumbra has one width whatever the distances, so it is too wide at contacts and too narrow far
-// from the caster; kernels wider than a caster's detail step over it.
+// from the caster; kernels wider than a caster's detail step over it, and on concave or twisted
+// surfaces a kernel wider than a facet finds the next one above its plane and shades it (spinner).
 
 #include "core/gl/program.hpp"
 #include "core/passes/depth_pass.hpp"

@@ -216,23 +216,6 @@ class ExactTracer {
     tbb::enumerable_thread_specific<Worker> workers_;
 };
 
-/// What the reference says where nothing is in the light's way.
-Reference unshadowed(const GBuffer& gbuffer) {
-    Reference out;
-    out.width = gbuffer.width;
-    out.height = gbuffer.height;
-    out.visibility.assign(gbuffer.size(), 1.0f);
-    out.standardError.assign(gbuffer.size(), 0.0f);
-    out.rays.assign(gbuffer.size(), 0.0f);
-    out.irradiance.assign(gbuffer.size(), 0.0f);
-    out.irradianceUnshadowed = gbuffer.irradianceUnshadowed;
-    for (std::size_t i = 0; i < gbuffer.size(); ++i) {
-        if (gbuffer.mask[i] == PixelClass::facingAway) out.visibility[i] = 0.0f;
-        if (isAsked(gbuffer.mask[i])) out.irradiance[i] = out.irradianceUnshadowed[i];
-    }
-    return out;
-}
-
 /// Traces the pixels marked in `wanted` and puts them into `out`.
 void traceInstead(const Tracer& tracer, const GBuffer& gbuffer, const AreaLight& light,
                   const std::vector<char>& wanted, const ReferenceOptions& options,
@@ -267,7 +250,7 @@ Reference exactReference(const Tracer& tracer, const std::vector<Material>& mate
                          const GBuffer& gbuffer, const AreaLight& light,
                          const ExactOptions& options, const Progress& progress, ExactStats* stats) {
     refuseMasked(tracer.geometry(), materials);
-    Reference out = unshadowed(gbuffer);
+    Reference out = unshadowedReference(gbuffer);
     std::vector<char> tooMany(gbuffer.size(), 0);
     ExactTracer exact(tracer, gbuffer, light, options, out, tooMany);
 

@@ -122,20 +122,6 @@ void forPixels(const std::vector<std::uint32_t>& pixels, const Tracer& tracer,
     });
 }
 
-Reference emptyReference(const GBuffer& gbuffer) {
-    Reference out;
-    out.width = gbuffer.width;
-    out.height = gbuffer.height;
-    out.visibility.assign(gbuffer.size(), 1.0f);
-    out.standardError.assign(gbuffer.size(), 0.0f);
-    out.rays.assign(gbuffer.size(), 0.0f);
-    out.irradiance.assign(gbuffer.size(), 0.0f);
-    out.irradianceUnshadowed = gbuffer.irradianceUnshadowed;
-    for (std::size_t i = 0; i < gbuffer.size(); ++i)
-        if (gbuffer.mask[i] == PixelClass::facingAway) out.visibility[i] = 0.0f;
-    return out;
-}
-
 void set(Reference& out, std::uint32_t pixel, const PixelEstimate& estimate) {
     out.visibility[pixel] = static_cast<float>(estimate.visibility);
     out.standardError[pixel] = static_cast<float>(estimate.standardError);
@@ -197,13 +183,31 @@ std::shared_ptr<const ReplicateTables> tablesFor(int points, bool adaptive) {
 
 }  // namespace
 
+Reference unshadowedReference(const GBuffer& gbuffer) {
+    Reference out;
+    out.width = gbuffer.width;
+    out.height = gbuffer.height;
+    out.visibility.assign(gbuffer.size(), 1.0f);
+    out.standardError.assign(gbuffer.size(), 0.0f);
+    out.rays.assign(gbuffer.size(), 0.0f);
+    out.irradiance.assign(gbuffer.size(), 0.0f);
+    out.irradianceUnshadowed = gbuffer.irradianceUnshadowed;
+    for (std::size_t i = 0; i < gbuffer.size(); ++i) {
+        if (gbuffer.mask[i] == PixelClass::facingAway)
+            out.visibility[i] = 0.0f;
+        else if (gbuffer.mask[i] != PixelClass::background)
+            out.irradiance[i] = out.irradianceUnshadowed[i];
+    }
+    return out;
+}
+
 double Reference::totalRays() const {
     return std::accumulate(rays.begin(), rays.end(), 0.0);
 }
 
 Reference traceReference(const Tracer& tracer, const GBuffer& gbuffer, const AreaLight& light,
                          const ReferenceOptions& options, const Progress& progress) {
-    Reference out = emptyReference(gbuffer);
+    Reference out = unshadowedReference(gbuffer);
     const std::vector<std::uint32_t> pixels = pixelsInTileOrder(gbuffer);
     if (light.isPoint()) {
         tracePoint(pixels, tracer, gbuffer, light, progress, out);

@@ -25,6 +25,9 @@ struct Reference {
     double totalRays() const;
 };
 
+/// What the reference says where nothing is in the light's way.
+Reference unshadowedReference(const GBuffer& gbuffer);
+
 /// How the reference is traced. Sampling: R independent Owen-scrambled Sobol replicates of n points
 /// each; the standard error is the spread of their means over sqrt(R), never the binomial formula.
 struct ReferenceOptions {
