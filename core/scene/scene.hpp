@@ -20,6 +20,13 @@ struct SceneFrame {
     Camera camera;
 };
 
+/// Where a scene throws a straight shadow edge whose penumbra is measured: a segment on the
+/// receiver, normal to the edge.
+struct ShadowEdge {
+    glm::dvec3 from{0.0}, to{0.0};  ///< in the umbra and in full light, apart from each other
+    double halfWidthM = 0.0;  ///< how far it looks alike along the edge, to both sides; above 0
+};
+
 /// A scene: an asset, a light, a camera and tracks, evaluated per frame. Immutable once loaded.
 class Scene {
   public:
@@ -36,6 +43,8 @@ class Scene {
                              ///< the asset's bounds at frame 0
     double radiusM = 1.0;    ///< half the diagonal of the geometry's bounds at frame 0
     std::vector<std::string> chosen;  ///< what was placed because the input did not say, in words
+    std::vector<ShadowEdge> edges;    ///< relative to `origin`; in frames that do not show one it
+                                      ///< measures nothing
     bool movingLight = false, movingCasters = false, movingCamera = false;  ///< tracks present
 
     virtual int frameCount() const = 0;

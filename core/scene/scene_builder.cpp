@@ -347,6 +347,10 @@ class Builder {
         if (script_) {
             scene_->shows = script_->shows;
             scene_->figure = script_->figure;
+            for (const ShadowEdge& edge : script_->edges) {
+                scene_->edges.push_back(
+                    {edge.from - scene_->origin, edge.to - scene_->origin, edge.halfWidthM});
+            }
         }
         scene_->materials = std::move(asset_.materials);
         scene_->images = std::move(asset_.images);

@@ -51,7 +51,7 @@ class Reader {
         const toml::table root = parsed();
         checkKeys(root, "a scene script",
                   {"shows", "figure", "asset", "package", "ground", "camera", "light", "frames",
-                   "track"});
+                   "track", "edge"});
         script_.shows = text(root, "shows", "a scene script");
         script_.asset = text(root, "asset", "a scene script");
         script_.assetWhere = placeOf(*root.get("asset"));
@@ -75,6 +75,10 @@ class Reader {
         if (const toml::node* tracks = root.get("track")) {
             if (!tracks->is_array_of_tables()) fail(*tracks, "tracks are written as [[track]]");
             for (const toml::node& track : *tracks->as_array()) readTrack(*track.as_table());
+        }
+        if (const toml::node* edges = root.get("edge")) {
+            if (!edges->is_array_of_tables()) fail(*edges, "edges are written as [[edge]]");
+            for (const toml::node& edge : *edges->as_array()) readEdge(*edge.as_table());
         }
         return std::move(script_);
     }
@@ -288,6 +292,22 @@ class Reader {
             if (spec.target == TrackTarget::cameraFovY) checkFovY(element, value.x);
             curve.values.push_back(value);
         }
+    }
+
+    void readEdge(const toml::table& table) {
+        checkKeys(table, "[[edge]]", {"from", "to", "half_width"});
+        ShadowEdge edge;
+        edge.from = point(table, "from", "[[edge]]");
+        edge.to = point(table, "to", "[[edge]]");
+        if (edge.from == edge.to) {
+            fail(required(table, "to", "[[edge]]"), "to must differ from from");
+        }
+        const toml::node& halfWidth = required(table, "half_width", "[[edge]]");
+        edge.halfWidthM = number(halfWidth, "half_width");
+        if (!(edge.halfWidthM > 0.0)) {
+            fail(halfWidth, "half_width must be a length in metres above 0");
+        }
+        script_.edges.push_back(edge);
     }
 
     Script script_;

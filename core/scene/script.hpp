@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/scene/animation.hpp"
+#include "core/scene/scene.hpp"
 
 namespace penumbra::scene_detail {
 
@@ -57,6 +58,7 @@ struct Script {
     std::optional<ScriptLight> light;
     std::vector<double> timesS = {0.0};
     std::vector<ScriptTrack> tracks;
+    std::vector<ShadowEdge> edges;  ///< world space
 };
 
 /// Reads a scene script. Throws InputError

@@ -54,7 +54,9 @@ void addCompareCommand(CLI::App& app, Action& action, const std::string& command
     o.command = commandLine;
     command->add_option("--suite", o.suite, "suite of scenes (default: standard, unless --scene)");
     command->add_option("--scene", o.scenes, "scene id, script (.toml) or asset (.glb, .gltf)");
-    command->add_option("--method", o.settings.methods, "method ids (default: all)");
+    command->add_option(
+        "--method", o.settings.methods,
+        "method ids; separation: the error of V x irradiance itself (default: all)");
     command->add_option("--set", o.settings.sets, "METHOD.PARAMETER=VALUE");
     command->add_option("--sweep", o.settings.sweeps, "METHOD.PARAMETER=VALUE,VALUE,...");
     command->add_flag("--ladder", o.settings.ladder, "every method's quality ladder");

@@ -26,7 +26,8 @@ bool hasMeasuredError(float visibility) {
 
 }  // namespace
 
-Scorer::Scorer(const Reference& reference, const GBuffer& gbuffer)
+Scorer::Scorer(const Reference& reference, const GBuffer& gbuffer,
+               std::span<const ShadowEdge> edges)
     : reference_(reference), gbuffer_(gbuffer) {
     const std::size_t pixels = gbuffer.size();
     if (reference.visibility.size() != pixels || reference.standardError.size() != pixels) {
@@ -37,6 +38,11 @@ Scorer::Scorer(const Reference& reference, const GBuffer& gbuffer)
     light_ = pictureLight(gbuffer);
     ssim_ = prepareSsim(gbuffer.width, gbuffer.height, reference.visibility);
     flip_ = prepareFlip(shadeVisibility(gbuffer, reference.visibility, light_));
+    for (const ShadowEdge& edge : edges) {
+        EdgeScan scan = scanEdge(edge, gbuffer);
+        if (const auto truth = scan.measured(reference.visibility))
+            edges_.push_back({std::move(scan), *truth});
+    }
 }
 
 Metrics Scorer::score(std::span<const float> visibility) const {
@@ -113,6 +119,7 @@ Metrics Scorer::score(std::span<const float> visibility) const {
         metrics.rmseCorrected = std::sqrt(std::max(0.0, excess) / static_cast<double>(all.count));
     }
     scoreNeighbourhoods(visibility, metrics);
+    scoreEdges(visibility, metrics);
     return metrics;
 }
 
@@ -131,6 +138,21 @@ void Scorer::scoreNeighbourhoods(std::span<const float> visibility, Metrics& met
     metrics.ssim =
         ssim(ssim_, prepareSsim(gbuffer_.width, gbuffer_.height, std::move(seen)), counted);
     metrics.noise = noise(visibility, reference_, gbuffer_, classes_);
+}
+
+void Scorer::scoreEdges(std::span<const float> visibility, Metrics& metrics) const {
+    if (edges_.empty()) return;
+    double width = 0, shift = 0;
+    for (const Edge& edge : edges_) {
+        const std::optional<EdgeProfile> seen = edge.scan.measured(visibility);
+        // Means over fewer edges than another image's would not compare.
+        if (!seen) return;
+        const EdgeError error = compareEdges(*seen, edge.truth);
+        width += error.width;
+        shift += error.centreShift;
+    }
+    metrics.penumbraWidthError = width / static_cast<double>(edges_.size());
+    metrics.penumbraShift = shift / static_cast<double>(edges_.size());
 }
 
 Metrics score(std::span<const float> visibility, const Reference& reference,
@@ -211,6 +233,15 @@ const std::vector<MetricInfo>& allMetrics() {
          "rmse with the reference's noise taken out: sqrt(rmse^2 - mean squared standard error), 0 "
          "where noise explains it all. Pixels whose reference rays all agree subtract nothing. "
          "Else as rmse; blind to the reference's bias."},
+        {"penumbra_width_error", "Wref",
+         "(W - Wref) / Wref over the scene's straight shadow edges, W the 10-90 % width across the "
+         "edge: above 0 the penumbra is too wide, -1 is a hard shadow (less a pixel). Blind to its "
+         "place, its profile and all other shadows; errors of opposite sign on two edges cancel. "
+         "Absent where an edge is not dark on one side and lit on the other."},
+        {"penumbra_shift", "Wref",
+         "How far the penumbra's centre lies towards the light of where the reference has it: "
+         "above 0 the shadow is too large, below 0 too small, as under a wrong bias. Blind as "
+         "penumbra_width_error is, and to the width."},
     };
     return kMetrics;
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/frame/gbuffer.hpp"
+#include "harness/metrics/edge_scan.hpp"
 #include "harness/metrics/flip.hpp"
 #include "harness/metrics/ssim.hpp"
 #include "harness/reference/reference.hpp"
@@ -34,28 +35,40 @@ struct Metrics {
     /// rmse without what the reference's own noise adds: sqrt(rmse^2 - mean standard error^2) over
     /// the scored pixels, 0 where the noise explains all of it.
     std::optional<double> rmseCorrected;
+    /// Means over the scene's shadow edges that the reference shows; absent where it shows none or
+    /// the image lacks one of them (measureEdge).
+    std::optional<double> penumbraWidthError;  ///< (W - Wref) / Wref
+    std::optional<double> penumbraShift;       ///< in units of Wref, above 0 towards the light
 
     bool operator==(const Metrics&) const = default;
 };
 
 /// Scores the images of one frame; what does not depend on the image is prepared once. Keeps
-/// references to its arguments. flicker, which needs two frames, stays absent.
+/// references to reference and G-buffer. flicker, which needs two frames, stays absent.
 class Scorer {
   public:
-    Scorer(const Reference& reference, const GBuffer& gbuffer);
+    /// `edges` in the G-buffer's coordinates, as Scene::edges are.
+    Scorer(const Reference& reference, const GBuffer& gbuffer,
+           std::span<const ShadowEdge> edges = {});
     /// Throws std::invalid_argument for an image of another size.
     Metrics score(std::span<const float> visibility) const;
 
   private:
     /// ssim, flip and noise: what looks at neighbourhoods.
     void scoreNeighbourhoods(std::span<const float> visibility, Metrics& metrics) const;
+    void scoreEdges(std::span<const float> visibility, Metrics& metrics) const;
 
+    struct Edge {
+        EdgeScan scan;
+        EdgeProfile truth;
+    };
     const Reference& reference_;
     const GBuffer& gbuffer_;
     std::vector<LightClass> classes_;
     PictureLight light_;
     SsimImage ssim_;
     FlipImage flip_;
+    std::vector<Edge> edges_;  ///< those that the reference shows
 };
 
 /// One image of a frame.

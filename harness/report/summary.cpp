@@ -11,6 +11,8 @@
 #include <string_view>
 #include <tuple>
 
+#include "harness/run/separation.hpp"
+
 namespace penumbra {
 
 namespace {
@@ -199,6 +201,7 @@ std::string overview(const SummaryInput& input) {
     std::map<std::string, Overview> settings;
     std::vector<std::string> order;
     for (const Row& row : input.rows) {
+        if (isSeparation(row)) continue;
         const auto [entry, isNew] = settings.try_emplace(row.setting);
         if (isNew) order.push_back(row.setting);
         Overview& o = entry->second;
@@ -255,7 +258,8 @@ std::string withInterval(const Row& row) {
 
 std::string scenes(const SummaryInput& input) {
     std::map<std::string, std::vector<const Row*>> byScene;
-    for (const Row& row : input.rows) byScene[row.scene].push_back(&row);
+    for (const Row& row : input.rows)
+        if (!isSeparation(row)) byScene[row.scene].push_back(&row);
     if (byScene.empty()) return {};
 
     std::string out =
@@ -284,6 +288,80 @@ std::string scenes(const SummaryInput& input) {
                      3, lines);
     }
     return out;
+}
+
+/// The method whose rmse over `frames` of a scene is least, of those that have all of them.
+std::optional<std::pair<std::string, double>> bestMethod(const std::vector<Row>& rows,
+                                                         const std::string& scene,
+                                                         const std::set<int>& frames) {
+    std::map<std::string, Mean> settings;
+    for (const Row& row : rows)
+        if (row.scene == scene && !isSeparation(row) && row.status == "ok" &&
+            frames.contains(row.frame))
+            settings[row.setting].add(row.metrics.rmse);
+    std::optional<std::pair<std::string, double>> best;
+    for (const auto& [setting, rmse] : settings)
+        if (rmse.n == frames.size() && (!best || *rmse.value() < best->second))
+            best = {setting, *rmse.value()};
+    return best;
+}
+
+std::string separation(const SummaryInput& input) {
+    struct Cost {
+        std::set<int> frames;
+        Mean rmse, rmsePenumbra, p99, bias;
+        Number maxError;
+    };
+    std::map<std::string, Cost> scenes;
+    for (const Row& row : input.rows) {
+        if (!isSeparation(row) || !row.metrics.rmse) continue;
+        Cost& cost = scenes[row.scene];
+        cost.frames.insert(row.frame);
+        cost.rmse.add(row.metrics.rmse);
+        cost.rmsePenumbra.add(row.metrics.rmsePenumbra);
+        cost.p99.add(row.metrics.p99);
+        cost.bias.add(row.metrics.bias);
+        cost.maxError = std::max(cost.maxError, row.metrics.maxError);
+    }
+    if (scenes.empty()) return {};
+    std::vector<Cells> lines;
+    for (const auto& [scene, cost] : scenes) {
+        const Number rmse = cost.rmse.value();
+        const auto best = bestMethod(input.rows, scene, cost.frames);
+        lines.push_back({escaped(scene), fmt::format("{}", cost.frames.size()), number(rmse),
+                         number(cost.rmsePenumbra.value()), number(cost.p99.value()),
+                         number(cost.maxError), number(cost.bias.value()),
+                         best ? escaped(best->first) : "",
+                         best ? percent(ratio(*rmse, best->second)) : ""});
+    }
+    return "## What separating shading from visibility costs\n\n"
+           "Every method multiplies the unshadowed irradiance by V; in truth visibility is inside "
+           "the light integral. Error: coupled over unshadowed irradiance, less V. Above 0 in bias "
+           "the truth is brighter than the product. Means over a scene's frames, of max the "
+           "largest. The share is of the least rmse that a method has against V: at 100 % the "
+           "product itself is as wrong as the best V in it.\n\n" +
+           table({"scene", "frames", "rmse", "rmse penumbra", "p99", "max", "bias", "best method",
+                  "share of its rmse"},
+                 1, lines);
+}
+
+std::string shadowEdges(const SummaryInput& input) {
+    std::vector<const Row*> rows;
+    for (const Row& row : input.rows)
+        if (row.metrics.penumbraWidthError) rows.push_back(&row);
+    if (rows.empty()) return {};
+    std::ranges::stable_sort(rows, {}, [](const Row* row) {
+        return std::tie(row->scene, row->frame, row->method, row->setting);
+    });
+    std::vector<Cells> lines;
+    for (const Row* row : rows)
+        lines.push_back({escaped(row->scene), fmt::format("{}", row->frame), escaped(row->setting),
+                         percent(row->metrics.penumbraWidthError),
+                         percent(row->metrics.penumbraShift)});
+    return "## Penumbrae on straight edges\n\n"
+           "In shares of the reference's penumbra width, means over a scene's edges. Width: above "
+           "0 too wide, -100 % a hard shadow. Shift: above 0 the shadow is too large.\n\n" +
+           table({"scene", "frame", "setting", "width error", "centre shift"}, 3, lines);
 }
 
 /// Spent rays over those of uniform sampling, where the latter are known.
@@ -359,7 +437,8 @@ std::string ratios(const SummaryInput& input) {
 
 std::string summaryMarkdown(const SummaryInput& input) {
     return fmt::format("# {}\n\n", escaped(input.title)) + provenance(input) + warnings(input) +
-           overview(input) + scenes(input) + references(input) + phases(input) + ratios(input);
+           overview(input) + scenes(input) + shadowEdges(input) + separation(input) +
+           references(input) + phases(input) + ratios(input);
 }
 
 }  // namespace penumbra

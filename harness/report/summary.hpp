@@ -37,8 +37,9 @@ struct SummaryInput {
     std::vector<std::pair<std::string, std::string>> skippedScenes;  ///< scene, reason
 };
 
-/// summary.md: warnings first, then settings over all scenes, each scene, the references and where
-/// the time went. GitHub-flavoured Markdown; the same input gives the same text.
+/// summary.md: warnings first, then settings over all scenes, each scene, widths of penumbrae, what
+/// separating shading from visibility costs, the references and where the time went.
+/// GitHub-flavoured Markdown; the same input gives the same text.
 std::string summaryMarkdown(const SummaryInput& input);
 
 }  // namespace penumbra

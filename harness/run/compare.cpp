@@ -20,6 +20,7 @@
 #include "harness/run/provenance.hpp"
 #include "harness/run/run_folder.hpp"
 #include "harness/run/run_record.hpp"
+#include "harness/run/separation.hpp"
 #include "harness/run/suite.hpp"
 
 namespace penumbra {
@@ -86,6 +87,12 @@ LoadedScenes loadScenes(const CompareOptions& options) {
     return loaded;
 }
 
+/// A frame's cells that have no row yet.
+struct Pending {
+    std::vector<SettingRun*> methods;
+    bool separation = false;
+};
+
 /// All that a run holds while its cells are done.
 class Run {
   public:
@@ -111,8 +118,7 @@ class Run {
     void runScene(std::size_t sceneIndex);
     bool keepsMaps(const Scene& scene, int index, const SceneFrame& now, const Tracer& tracer,
                    const LightBounds& bounds) const;
-    void runFrame(const Scene& scene, const Frame& frame, bool keepMaps,
-                  const std::vector<SettingRun*>& pending);
+    void runFrame(const Scene& scene, const Frame& frame, bool keepMaps, const Pending& pending);
     Reference referenceFor(const Scene& scene, const Frame& frame);
     bool mine(std::size_t cell) const {
         return cell % static_cast<std::size_t>(options_.shards) ==
@@ -235,15 +241,19 @@ void Run::runScene(std::size_t sceneIndex) {
     std::unique_ptr<GpuGeometry> gpuGeometry;
 
     for (int index = 0; index < scene.frameCount(); ++index, ++framesDone_) {
-        std::vector<SettingRun*> pending;
+        Pending pending;
         for (SettingRun& run : runs) {
             Row cell;
             cell.scene = scene.id;
             cell.frame = index;
             cell.setting = run.setting().name;
-            if (mine(cellsBefore_++) && !done_.contains(cell.key())) pending.push_back(&run);
+            if (!mine(cellsBefore_++) || done_.contains(cell.key())) continue;
+            if (run.setting().isSeparation())
+                pending.separation = true;
+            else
+                pending.methods.push_back(&run);
         }
-        if (pending.empty()) continue;
+        if (pending.methods.empty() && !pending.separation) continue;
         progress_.step(framesDone_, fmt::format("{} frame {}", scene.id, index));
 
         SceneFrame sceneFrame;
@@ -292,8 +302,7 @@ bool Run::keepsMaps(const Scene& scene, int index, const SceneFrame& now, const 
     return boundLight(before.light, seen, *before.geometry) == bounds;
 }
 
-void Run::runFrame(const Scene& scene, const Frame& frame, bool keepMaps,
-                   const std::vector<SettingRun*>& pending) {
+void Run::runFrame(const Scene& scene, const Frame& frame, bool keepMaps, const Pending& pending) {
     const Reference reference =
         clock_.measure("reference", [&] { return referenceFor(scene, frame); });
     clock_.measure("images", [&] {
@@ -306,18 +315,22 @@ void Run::runFrame(const Scene& scene, const Frame& frame, bool keepMaps,
         runCells(
             frame,
             {options_.effects, effectsCalledFor(scene, sceneFrame), keepMaps, options_.repeats},
-            pending, target, [&](Row&& row, const std::vector<float>& visibility) {
+            pending.methods, target, [&](Row&& row, const std::vector<float>& visibility) {
                 finished.emplace_back(std::move(row), visibility);
             });
     });
+    if (pending.separation)
+        finished.emplace_back(separationRow(frame), separationImage(reference, frame.gbuffer));
     const Scorer scorer =
-        clock_.measure("metrics", [&] { return Scorer(reference, frame.gbuffer); });
+        clock_.measure("metrics", [&] { return Scorer(reference, frame.gbuffer, scene.edges); });
     for (auto& [row, visibility] : finished) {
         row.renderer = provenance_.renderer;
         row.threads = provenance_.threads;
         row.commit = provenance_.commit;
         if (row.status == "ok") {
             row.metrics = clock_.measure("metrics", [&] { return scorer.score(visibility); });
+            // The separation's image has the reference's noise in it: errors of the two cancel.
+            if (isSeparation(row)) row.metrics.rmseCorrected.reset();
             clock_.measure("images", [&] {
                 folder_.writeVisibility(scene.id, frame.index, row.setting, visibility, reference);
             });

@@ -141,6 +141,8 @@ const std::vector<Column>& columns() {
         column("threads", FIELD(threads)),
         column("commit", FIELD(commit)),
         column("rmse_corrected", FIELD(metrics.rmseCorrected)),
+        column("penumbra_width_error", FIELD(metrics.penumbraWidthError)),
+        column("penumbra_shift", FIELD(metrics.penumbraShift)),
     };
     return kColumns;
 }

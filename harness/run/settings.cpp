@@ -7,6 +7,7 @@
 #include <map>
 
 #include "core/error.hpp"
+#include "harness/run/separation.hpp"
 
 namespace penumbra {
 namespace {
@@ -47,7 +48,21 @@ Setting makeSetting(const std::string& id, const Assignments& assignments) {
     return setting;
 }
 
+/// The method `id` of `--method`, or null for the separation.
+const MethodInfo* findChosen(const std::string& id) {
+    if (id == kSeparation) return nullptr;
+    try {
+        return &findMethod(id);
+    } catch (const InputError& e) {
+        throw InputError(fmt::format("{}, {}", e.what(), kSeparation));
+    }
+}
+
 }  // namespace
+
+bool Setting::isSeparation() const {
+    return method == kSeparation;
+}
 
 std::unique_ptr<ShadowMethod> Setting::make() const {
     auto instance = findMethod(method).make();
@@ -57,8 +72,14 @@ std::unique_ptr<ShadowMethod> Setting::make() const {
 
 std::vector<Setting> expandSettings(const SettingChoice& choice) {
     std::vector<std::string> ids;
-    for (const std::string& id : choice.methods)
-        if (std::ranges::find(ids, findMethod(id).id) == ids.end()) ids.push_back(id);
+    bool separation = choice.methods.empty();
+    for (const std::string& id : choice.methods) {
+        const MethodInfo* info = findChosen(id);
+        if (!info)
+            separation = true;
+        else if (std::ranges::find(ids, id) == ids.end())
+            ids.push_back(id);
+    }
     if (choice.methods.empty())
         for (const MethodInfo& info : methodRegistry()) ids.push_back(info.id);
 
@@ -67,7 +88,9 @@ std::vector<Setting> expandSettings(const SettingChoice& choice) {
         variants[id] =
             choice.ladder ? findMethod(id).make()->ladder() : std::vector<Assignments>{{}};
     const auto variantsOf = [&](const std::string& option, const Assigned& a) -> auto& {
-        findMethod(a.method);
+        if (!findChosen(a.method))
+            throw InputError(fmt::format("{} {}.{}: {} has no parameters", option, a.method,
+                                         a.parameter, a.method));
         const auto it = variants.find(a.method);
         if (it == variants.end())
             throw InputError(fmt::format("{} {}.{}: {} is not among the methods of this run",
@@ -97,6 +120,10 @@ std::vector<Setting> expandSettings(const SettingChoice& choice) {
             if (std::ranges::find(settings, setting.name, &Setting::name) == settings.end())
                 settings.push_back(std::move(setting));
         }
+    if (separation) {
+        const std::string name(kSeparation);
+        settings.push_back({name, name, "", {}});
+    }
     return settings;
 }
 

@@ -15,22 +15,25 @@ struct Setting {
     std::string params;       ///< Parameters::text of the full set
     Assignments assignments;  ///< what differs from the defaults
 
-    /// A fresh instance with the assignments applied.
+    /// Whether this is the row of the separation (harness/run/separation.hpp), which no method
+    /// renders.
+    bool isSeparation() const;
+    /// A fresh instance with the assignments applied; not of the separation.
     std::unique_ptr<ShadowMethod> make() const;
 };
 
 /// What the command line says about settings.
 struct SettingChoice {
-    std::vector<std::string> methods{};  ///< ids; empty: all registered
+    std::vector<std::string> methods{};  ///< ids; empty: all registered and the separation
     std::vector<std::string> sets{};     ///< "ID.P=V": applies to every setting of method ID
     /// "ID.P=V1,V2": one setting per value, crossed with the others of ID
     std::vector<std::string> sweeps{};
     bool ladder = false;  ///< every method's ladder instead of its defaults
 };
 
-/// Every setting asked for, without repetition, in the order of the methods. Throws InputError for
-/// an unknown method (a --set or --sweep for a method that is not run included), parameter or
-/// value.
+/// Every setting asked for, without repetition, in the order of the methods, the separation last.
+/// Throws InputError for an unknown method (a --set or --sweep for a method that is not run
+/// included), parameter or value.
 std::vector<Setting> expandSettings(const SettingChoice& choice);
 
 }  // namespace penumbra

@@ -59,7 +59,9 @@ TEST_F(BadInput, UnknownNamesListTheKnownOnes) {
     expectCompareRefused({"--scene", "nope"}, {"'nope'", "half_plane", "two_layers"});
     expectVariantRefused({"--scene", "half_plane", "nope"}, {"'nope'", "half_plane"});
     expectCompareRefused({"--suite", "nope"}, {"'nope'", "standard"});
-    expectCompareRefused({"--method", "nope"}, {"'nope'", "hard", "pcf", "ray_traced"});
+    expectCompareRefused({"--method", "nope"},
+                         {"'nope'", "hard", "pcf", "ray_traced", "separation"});
+    expectVariantRefused({"--set", "separation.x=1"}, {"separation has no parameters"});
     expectVariantRefused({"--set", "nope.taps=1"}, {"'nope'", "hard", "pcf"});
     expectVariantRefused({"--set", "pcf.nope=1"}, {"'nope'", "taps", "map_size"});
     expectVariantRefused({"--sweep", "pcf.nope=1,2"}, {"'nope'", "taps", "map_size"});

@@ -56,6 +56,26 @@ TEST(SceneScript, PlacesLightAndCameraInWorldSpace) {
     EXPECT_TRUE(scene->chosen.empty());
 }
 
+TEST(SceneScript, EdgesAreRelativeToTheOrigin) {
+    const TempFolder folder;
+    const auto scene = loadText(folder, kHead + kCamera + kLight + R"(
+[[edge]]
+from = [1, 0, 0]
+to = [0.5, 0, 0.25]
+half_width = 0.125
+[[edge]]
+from = [0, 0, 0]
+to = [0, 0, 1]
+half_width = 2
+)");
+    ASSERT_EQ(scene->edges.size(), 2u);
+    expectNear(scene->edges[0].from + scene->origin, {1, 0, 0}, 1e-12);
+    expectNear(scene->edges[0].to + scene->origin, {0.5, 0, 0.25}, 1e-12);
+    EXPECT_EQ(scene->edges[0].halfWidthM, 0.125);
+    EXPECT_EQ(scene->edges[1].halfWidthM, 2.0);
+    EXPECT_TRUE(loadText(folder, kHead + kCamera + kLight)->edges.empty());
+}
+
 TEST(SceneScript, PointLightHasAxesToo) {
     const TempFolder folder;
     const auto scene = loadText(
@@ -225,7 +245,7 @@ const BadScript kBadScripts[] = {
     {"NoAsset", "shows = 'x'\n", "1:1", "needs 'asset'"},
     {"UnknownKey", kHead + "shine = 1\n", "3:1",
      "unknown key 'shine' in a scene script; valid keys are shows, figure, asset, package, ground, "
-     "camera, light, frames, track"},
+     "camera, light, frames, track, edge"},
     {"UnknownCameraKey", kHead + "[camera]\npostion = [0, 1, 5]\n", "4:1",
      "unknown key 'postion' in [camera]; valid keys are position, target, up, fov_y"},
     {"ShowsNoText", "shows = 3\nasset = 'arm.gltf'\n", "1:9", "must be a string"},
@@ -278,6 +298,17 @@ const BadScript kBadScripts[] = {
      kFull + "[frames]\ntimes = [0, 1]\n[[track]]\ntarget = 'light.position'\ntimes = [0, 1]\n"
              "values = [[0, 4, 0], [0, 0, 0]]\n",
      "7:", "at 1 s the light has no direction"},
+    {"EdgeNoArray", kHead + "[edge]\nfrom = [0, 0, 0]\n", "3:", "[[edge]]"},
+    {"UnknownEdgeKey", kHead + "[[edge]]\nwidth = 1\n", "4:1",
+     "unknown key 'width' in [[edge]]; valid keys are from, to, half_width"},
+    {"EdgeWithoutTo", kHead + "[[edge]]\nfrom = [0, 0, 0]\nhalf_width = 1\n",
+     "3:", "[[edge]] needs 'to'"},
+    {"EdgeWithoutHalfWidth", kHead + "[[edge]]\nfrom = [0, 0, 0]\nto = [1, 0, 0]\n",
+     "3:", "[[edge]] needs 'half_width'"},
+    {"EdgeOfNoLength", kHead + "[[edge]]\nfrom = [1, 0, 0]\nto = [1, 0, 0]\nhalf_width = 1\n",
+     "5:6", "to must differ from from"},
+    {"EdgeOfNoWidth", kHead + "[[edge]]\nfrom = [0, 0, 0]\nto = [1, 0, 0]\nhalf_width = 0\n",
+     "6:14", "half_width must be a length in metres above 0"},
     {"MissingAsset", "shows = 'x'\nasset = 'gone.glb'\n", "2:9", "gone.glb does not exist"},
     {"AssetOfOtherKind", "shows = 'x'\nasset = 'arm.obj'\n", "2:9", "neither .glb nor .gltf"},
     {"GeneratedWithFolder", "shows = 'x'\nasset = 'generated:../a.glb'\n", "2:9",

@@ -88,7 +88,9 @@ Row fullRow() {
                    .nonfinite = 1,
                    .outOfRange = 2,
                    .referenceSe = 1.0 / 1024,
-                   .rmseCorrected = 0.009};
+                   .rmseCorrected = 0.009,
+                   .penumbraWidthError = -0.75,
+                   .penumbraShift = 0.0625};
     row.effectsSimulated = "penumbra+self_shadow";
     row.effectsSkipped = "alpha_mask";
     row.effectsMissing = "layered_casters";
@@ -116,7 +118,8 @@ TEST(CsvHeader, IsTheContract) {
               "triangles,fragments,maps,light_texels,texture_mib,rmse,mae,bias,p99,max_error,ssim,"
               "flip,rmse_lit,rmse_penumbra,rmse_umbra,leak_rate,false_shadow_rate,noise,flicker,"
               "scored_pixels,horizon_pixels,nonfinite,out_of_range,reference_se,effects_simulated,"
-              "effects_skipped,effects_missing,renderer,threads,commit,rmse_corrected");
+              "effects_skipped,effects_missing,renderer,threads,commit,rmse_corrected,"
+              "penumbra_width_error,penumbra_shift");
 }
 
 TEST(ToCsv, ShortestNumbersQuotesAndEmptyFields) {
@@ -223,7 +226,7 @@ TEST_F(CsvFile, MalformedLinesAreNamed) {
     const std::string at = path.string() + ":5: ";
 
     write(good + "a,b,c\n");
-    EXPECT_EQ(errorOfReading(), at + "3 fields, expected 50");
+    EXPECT_EQ(errorOfReading(), at + "3 fields, expected 52");
 
     std::string line = toCsv(fullRow());
     line.replace(line.find(",512,"), 5, ",51x2,");

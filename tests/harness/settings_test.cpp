@@ -48,10 +48,12 @@ std::string errorOf(const SettingChoice& choice) {
 using Texts = std::vector<std::string>;
 const std::string kDefaults = "taps=4;width=0.5;shape=disc";
 
-TEST(Settings, NoChoiceIsEveryMethodAtItsDefaults) {
+TEST(Settings, NoChoiceIsEveryMethodAtItsDefaultsAndTheSeparation) {
     const std::vector<Setting> settings = expandSettings({});
-    ASSERT_EQ(settings.size(), methodRegistry().size());
-    for (std::size_t i = 0; i < settings.size(); ++i) {
+    ASSERT_EQ(settings.size(), methodRegistry().size() + 1);
+    EXPECT_TRUE(settings.back().isSeparation());
+    for (std::size_t i = 0; i + 1 < settings.size(); ++i) {
+        EXPECT_FALSE(settings[i].isSeparation());
         EXPECT_EQ(settings[i].method, methodRegistry()[i].id);
         EXPECT_EQ(settings[i].name, settings[i].method);
         EXPECT_EQ(settings[i].params, methodRegistry()[i].make()->text());
@@ -62,6 +64,20 @@ TEST(Settings, NoChoiceIsEveryMethodAtItsDefaults) {
 TEST(Settings, MethodsComeInTheOrderAskedForAndOnce) {
     EXPECT_EQ(namesOf({.methods = {"probe_other", "probe", "probe_other"}}),
               (Texts{"probe_other", "probe"}));
+}
+
+TEST(Settings, TheSeparationIsThereWhenNamedOnceAndLast) {
+    EXPECT_EQ(namesOf({.methods = {"separation"}}), Texts{"separation"});
+    EXPECT_EQ(
+        namesOf({.methods = {"separation", "probe", "separation"}, .sweeps = {"probe.taps=2,4"}})
+            .back(),
+        "separation");
+    EXPECT_EQ(namesOf({.methods = {"probe", "separation"}, .ladder = true}).size(), 4u);
+    EXPECT_EQ(namesOf({.methods = {"probe"}}), Texts{"probe"});
+    EXPECT_EQ(errorOf({.sets = {"separation.x=1"}}),
+              "--set separation.x: separation has no parameters");
+    EXPECT_EQ(errorOf({.sweeps = {"separation.x=1,2"}}),
+              "--sweep separation.x: separation has no parameters");
 }
 
 TEST(Settings, AChangedParameterNamesTheSetting) {
@@ -122,8 +138,8 @@ TEST(Settings, TheLadderIsWalkedFromTheBottom) {
 
 TEST(Settings, EveryLadderOfEveryMethodIsValid) {
     const std::vector<Setting> settings = expandSettings({.ladder = true});
-    EXPECT_GE(settings.size(), methodRegistry().size());
-    for (const Setting& s : settings) EXPECT_EQ(s.make()->text(), s.params);
+    EXPECT_GT(settings.size(), methodRegistry().size());
+    for (const Setting& s : settings) EXPECT_EQ(s.isSeparation() ? "" : s.make()->text(), s.params);
 }
 
 TEST(Settings, MalformedAssignmentsAreErrors) {
@@ -139,7 +155,7 @@ TEST(Settings, MalformedAssignmentsAreErrors) {
 TEST(Settings, UnknownNamesAndValuesListTheValidOnes) {
     std::string known;
     for (const MethodInfo& m : methodRegistry()) known += (known.empty() ? "" : ", ") + m.id;
-    const std::string unknown = "unknown method 'nope'; the methods are " + known;
+    const std::string unknown = "unknown method 'nope'; the methods are " + known + ", separation";
     EXPECT_EQ(errorOf({.methods = {"probe", "nope"}}), unknown);
     EXPECT_EQ(errorOf({.sets = {"nope.taps=1"}}), unknown);
     EXPECT_EQ(errorOf({.sweeps = {"nope.taps=1"}}), unknown);

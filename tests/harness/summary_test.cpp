@@ -154,6 +154,52 @@ TEST(Summary, SnakeCaseStaysReadable) {
     EXPECT_TRUE(contains(summaryMarkdown(input), "- ray_traced: \\_em\\_ 1\\_ x\n"));
 }
 
+/// What separating costs in `scene`.
+Row separationRow(const std::string& scene, int frame, double rmse) {
+    Row row = okRow(scene, "separation", 1, rmse);
+    row.frame = frame;
+    row.frameMs = row.frameMsLow = row.frameMsHigh = row.buildMs = row.shadeMs = std::nullopt;
+    row.metrics.p99 = 3 * rmse;
+    row.metrics.maxError = 4 * rmse;
+    return row;
+}
+
+TEST(Summary, TheSeparationHasATableOfItsOwn) {
+    SummaryInput input;
+    input.rows = {okRow("s", "a", 10, 0.2), okRow("s", "b", 20, 0.1), separationRow("s", 0, 0.02),
+                  separationRow("s", 1, 0.04), separationRow("t", 0, 0.25)};
+    input.rows.push_back(okRow("s", "a", 10, 0.3));
+    input.rows.back().frame = 1;
+    const std::string text = summaryMarkdown(input);
+    const std::size_t start = text.find("## What separating shading from visibility costs");
+    ASSERT_NE(start, std::string::npos);
+    // b would be better, but lacks a frame.
+    EXPECT_EQ(lineStarting(text.substr(start), "| s |"),
+              "| s | 2 | 0.0300 | 0.0600 | 0.0900 | 0.160 | -0.0300 | a | 12.0 % |");
+    EXPECT_EQ(lineStarting(text.substr(start), "| t |"),
+              "| t | 1 | 0.250 | 0.500 | 0.750 | 1.00 | -0.250 |  |  |");
+    EXPECT_FALSE(contains(text.substr(0, start), "separation")) << "it is no method";
+    EXPECT_FALSE(contains(text, "### t")) << "no method ran there";
+    input.rows = {okRow("s", "a", 10, 0.2)};
+    EXPECT_FALSE(contains(summaryMarkdown(input), "## What separating"));
+}
+
+TEST(Summary, PenumbraeOnStraightEdges) {
+    SummaryInput input;
+    input.rows = {okRow("s", "b", 10, 0.2), okRow("s", "a", 20, 0.1), okRow("t", "a", 20, 0.1)};
+    input.rows[0].metrics.penumbraWidthError = -0.985;
+    input.rows[0].metrics.penumbraShift = 0.0125;
+    input.rows[1].metrics.penumbraWidthError = 0.0;
+    input.rows[1].metrics.penumbraShift = 0.0;
+    const std::string text = summaryMarkdown(input);
+    EXPECT_TRUE(contains(text,
+                         "| s | 0 | a | 0 % | 0 % |\n"
+                         "| s | 0 | b | -98.5 % | 1.25 % |\n\n"))
+        << text;
+    input.rows.erase(input.rows.begin(), input.rows.begin() + 2);
+    EXPECT_FALSE(contains(summaryMarkdown(input), "straight edges"));
+}
+
 TEST(Summary, ReferenceTable) {
     SummaryInput input;
     input.references = {{.scene = "s",
