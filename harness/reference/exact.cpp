@@ -235,15 +235,19 @@ void traceInstead(const Tracer& tracer, const GBuffer& gbuffer, const AreaLight&
 
 }  // namespace
 
+const Material* firstMasked(const Geometry& geometry, const std::vector<Material>& materials) {
+    for (const Part& part : geometry.parts)
+        if (materials[part.material].masked && part.indexCount > 0)
+            return &materials[part.material];
+    return nullptr;
+}
+
 void refuseMasked(const Geometry& geometry, const std::vector<Material>& materials) {
-    for (const Part& part : geometry.parts) {
-        const Material& material = materials[part.material];
-        if (material.masked && part.indexCount > 0)
-            throw InputError(
-                fmt::format("--reference exact: material '{}' is alpha-masked; exact visibility "
-                            "knows polygons only, use --reference embree",
-                            material.name));
-    }
+    if (const Material* masked = firstMasked(geometry, materials))
+        throw InputError(
+            fmt::format("--reference exact: material '{}' is alpha-masked; exact visibility knows "
+                        "polygons only, use --reference embree",
+                        masked->name));
 }
 
 Reference exactReference(const Tracer& tracer, const std::vector<Material>& materials,

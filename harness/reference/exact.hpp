@@ -24,7 +24,9 @@ struct ExactStats {
     std::size_t tracedPixels = 0;  ///< above ExactOptions::maxEdges: those with rays > 0
 };
 
-/// Throws InputError if a triangle's material is alpha-masked: its outline is no polygon.
+/// The alpha-masked material of a triangle, whose outline is no polygon; null if there is none.
+const Material* firstMasked(const Geometry& geometry, const std::vector<Material>& materials);
+/// Throws InputError if a triangle's material is alpha-masked.
 void refuseMasked(const Geometry& geometry, const std::vector<Material>& materials);
 
 /// Visibility without noise: every triangle between the point and the light is cut to that range,

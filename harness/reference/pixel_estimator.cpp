@@ -4,27 +4,20 @@
 #include <bit>
 #include <cmath>
 
-#include "harness/reference/silhouette.hpp"
-
 namespace penumbra {
 
 namespace {
 
 constexpr int kReplicates = ReplicateTables::kReplicates;
-constexpr int kGrid = ReplicateTables::kGrid;
+constexpr int kGrid = Pilot::kGrid;
 constexpr int kCells = kGrid * kGrid;
-constexpr int kCoarseGrid = ReplicateTables::kCoarseGrid;
-constexpr int kCoarseCells = kCoarseGrid * kCoarseGrid;
 
 // More cells than this and sampling only them saves too little to pay for the confirmation.
 constexpr int kMaxSilhouetteCells = kCells * 3 / 5;
 // Confirming rays per replicate over the whole light (those in silhouette cells are left out): few
 // where an edge or two cross the light and the grid resolves them, more elsewhere.
 constexpr int kConfirmPoints = 16, kConfirmPointsElse = 48;
-constexpr int kSimpleCrossings = 2 * kGrid;
 constexpr int kConfirmAttempts = 2;
-// By how many cells a silhouette grows where something slipped through the grid.
-constexpr int kUnresolvedRings = 3;
 constexpr int kMinWholeLightPoints = 32;
 // Squared error of n net points in a unit square crossed by one edge: 0.36^2 n^-3/2 (METHODS.md
 // R4).
@@ -36,106 +29,7 @@ constexpr double kTolerance = 1.2;
 
 enum Salt : std::uint32_t { kPilotSalt = 1, kConfirmSalt, kSilhouetteSalt, kWholeSalt };
 
-/// A random digital shift.
-struct Shift {
-    std::uint32_t x, y;
-    explicit Shift(std::uint32_t h) : x(h), y(hash(h ^ 0x68bc21ebu)) {}
-    SobolPoint operator()(const SobolPoint& p) const { return {p.x ^ x, p.y ^ y}; }
-};
-
-/// The pilot's cell that a point lies in.
-Cell cellOf(const SobolPoint& p) {
-    static_assert(kGrid == 32);
-    return {static_cast<int>(p.x >> 27), static_cast<int>(p.y >> 27)};
-}
-
 }  // namespace
-
-/// What the light looks like at one ray per cell.
-class PixelEstimator::Pilot {
-  public:
-    /// False where the coarse grid's rays all agree: nothing more is traced or known then.
-    bool trace(LightProbe& probe, const std::vector<SobolPoint>& net, std::uint32_t seed) {
-        const Shift shift(hash(seed, kPilotSalt));
-        LightBatch batch;
-        static_assert(kCoarseCells == LightBatch::kCapacity);
-        for (int i = 0; i < kCoarseCells; ++i) {
-            const SobolPoint p = shift(net[i]);
-            batch.s[i] = toUnitFloat(p.x);
-            batch.t[i] = toUnitFloat(p.y);
-        }
-        batch.size = kCoarseCells;
-        probe.look(batch);
-        rays_ += kCoarseCells;
-        int litCount = 0;
-        for (const std::uint8_t visible : batch.visible) litCount += visible;
-        constantVisibility_ = litCount == 0 ? 0.0 : 1.0;
-        if (litCount == 0 || litCount == kCoarseCells) return false;
-
-        std::array<Cell, LightBatch::kCapacity> cells;
-        const auto add = [&](const SobolPoint& point) {
-            const SobolPoint p = shift(point);
-            batch.s[batch.size] = toUnitFloat(p.x);
-            batch.t[batch.size] = toUnitFloat(p.y);
-            cells[batch.size++] = cellOf(p);
-        };
-        BitGrid<kCoarseGrid> coarse;
-        for (int i = 0; i < kCoarseCells; ++i) {
-            const Cell cell = cellOf(shift(net[i]));
-            if (batch.visible[i]) coarse.set({cell.x / 2, cell.y / 2});
-        }
-        for (int y = 0; y < kGrid; ++y)
-            for (int x = 0; x < kGrid; ++x)
-                if (coarse[{x / 2, y / 2}]) lit.set({x, y});
-        const auto flush = [&] {
-            probe.look(batch);
-            rays_ += static_cast<int>(batch.size);
-            for (std::size_t i = 0; i < batch.size; ++i)
-                lit.assign(cells[i], batch.visible[i] != 0);
-            batch.size = 0;
-        };
-        // Refine along the silhouettes as far as they lead; everywhere if some are not resolved.
-        BitGrid<kCoarseGrid> refined;
-        const bool everywhere = !Silhouette<kCoarseGrid>(coarse).resolved;
-        for (bool more = true; more;) {
-            const Silhouette<kGrid> seen(lit);
-            silhouette = seen.cells;
-            resolved = seen.resolved;
-            BitGrid<kCoarseGrid> wanted = refined.complement();
-            if (!everywhere) wanted = wanted & silhouette.coarser();
-            batch.size = 0;
-            for (int i = kCoarseCells; i < kCells; ++i) {
-                const Cell cell = cellOf(shift(net[i]));
-                if (!wanted[{cell.x / 2, cell.y / 2}]) continue;
-                add(net[i]);
-                if (batch.size == LightBatch::kCapacity) flush();
-            }
-            flush();
-            refined = refined | wanted;
-            more = wanted.count() > 0;
-        }
-        // What slips through the grid here and there, a wire say, is near where it does not.
-        if (!resolved) silhouette = silhouette.grown(kUnresolvedRings);
-        for (int y = 0; y < kGrid; ++y) {
-            crossings += std::popcount((lit.row[y] ^ (lit.row[y] >> 1)) & 0x7fffffffu);
-            if (y + 1 < kGrid) crossings += std::popcount(lit.row[y] ^ lit.row[y + 1]);
-        }
-        return true;
-    }
-
-    /// About one or two edges across the light: little can have been missed.
-    bool simple() const { return resolved && crossings <= kSimpleCrossings; }
-    int rays() const { return rays_; }
-    double constantVisibility() const { return constantVisibility_; }
-    BitGrid<kGrid> lit, silhouette;
-    bool resolved = true;
-    int crossings =
-        0;  ///< pairs of cells side by side that differ: the silhouettes' length in cells
-
-  private:
-    int rays_ = 0;
-    double constantVisibility_ = 1.0;
-};
 
 struct PixelEstimator::Sums {
     std::array<int, kReplicates> hits{};
@@ -241,22 +135,37 @@ int PixelEstimator::extended(int points, double standardError) const {
 }
 
 PixelEstimate PixelEstimator::adaptive(LightProbe& probe, std::uint32_t seed) const {
+    Pilot pilot = look(probe, seed);
+    return finish(probe, seed, pilot);
+}
+
+Pilot PixelEstimator::look(LightProbe& probe, std::uint32_t seed) const {
     Pilot pilot;
-    if (!pilot.trace(probe, tables_.pilot(), seed)) {
-        const double value = pilot.constantVisibility();
-        return {value, 3.0 / kCoarseCells, value, kCoarseCells, true};
-    }
+    pilot.trace(probe, tables_.pilot(), hash(seed, kPilotSalt));
+    return pilot;
+}
+
+void PixelEstimator::lookCloser(LightProbe& probe, Pilot& pilot) const {
+    pilot.complete(probe, tables_.pilot());
+}
+
+PixelEstimate PixelEstimator::finish(LightProbe& probe, std::uint32_t seed, Pilot& pilot) const {
     int rays = pilot.rays();
+    if (pilot.constant()) {
+        const double value = pilot.constantVisibility();
+        return {value, 3.0 / rays, value, rays, true};
+    }
     for (std::uint32_t attempt = 0; attempt < kConfirmAttempts; ++attempt)
-        if (pilot.silhouette.count() > kMaxSilhouetteCells)
+        if (pilot.silhouette().count() > kMaxSilhouetteCells)
             break;
         else if (confirm(probe, hash(seed, kConfirmSalt, attempt), pilot, rays))
             return alongSilhouette(probe, seed, pilot, rays);
-    const int points = ReplicateTables::roundUp(predictPoints(pilot.crossings));
+    const int points = ReplicateTables::roundUp(predictPoints(pilot.crossings()));
     return wholeLight(probe, seed, std::max(kMinWholeLightPoints, points), rays, true);
 }
 
 bool PixelEstimator::confirm(LightProbe& probe, std::uint32_t seed, Pilot& pilot, int& rays) const {
+    const BitGrid<kGrid>& silhouette = pilot.silhouette();
     LightBatch batch;
     std::array<Cell, LightBatch::kCapacity> cells;
     BitGrid<kGrid> refuted;
@@ -264,7 +173,7 @@ bool PixelEstimator::confirm(LightProbe& probe, std::uint32_t seed, Pilot& pilot
         probe.look(batch);
         rays += static_cast<int>(batch.size);
         for (std::size_t i = 0; i < batch.size; ++i)
-            if ((batch.visible[i] != 0) != pilot.lit[cells[i]]) refuted.set(cells[i]);
+            if ((batch.visible[i] != 0) != pilot.lit()[cells[i]]) refuted.set(cells[i]);
         batch.size = 0;
     };
     const int points =
@@ -273,8 +182,8 @@ bool PixelEstimator::confirm(LightProbe& probe, std::uint32_t seed, Pilot& pilot
         const Shift shift(hash(seed, r));
         for (int i = 0; i < points; ++i) {
             const SobolPoint p = shift(tables_.overLight(r)[i]);
-            const Cell cell = cellOf(p);
-            if (pilot.silhouette[cell]) continue;
+            const Cell cell = Pilot::cellOf(p);
+            if (silhouette[cell]) continue;
             batch.s[batch.size] = toUnitFloat(p.x);
             batch.t[batch.size] = toUnitFloat(p.y);
             cells[batch.size] = cell;
@@ -283,13 +192,13 @@ bool PixelEstimator::confirm(LightProbe& probe, std::uint32_t seed, Pilot& pilot
     }
     flush();
     if (refuted.count() == 0) return true;
-    pilot.resolved = false;
-    pilot.silhouette = pilot.silhouette | refuted.grown(kUnresolvedRings);
+    pilot.refute(refuted);
     return false;
 }
 
 PixelEstimator::Weights PixelEstimator::weightsOff(LightProbe& probe, const Pilot& pilot) {
     constexpr int kRows = LightBatch::kCapacity / kGrid;
+    const BitGrid<kGrid>& silhouette = pilot.silhouette();
     Weights sums;
     LightBatch centres;
     centres.size = LightBatch::kCapacity;
@@ -301,9 +210,9 @@ PixelEstimator::Weights PixelEstimator::weightsOff(LightProbe& probe, const Pilo
         probe.weigh(centres);
         for (int i = 0; i < kRows * kGrid; ++i) {
             const Cell cell{i % kGrid, top + i / kGrid};
-            if (pilot.silhouette[cell]) continue;
+            if (silhouette[cell]) continue;
             sums.all += centres.weight[i];
-            if (pilot.lit[cell]) sums.lit += centres.weight[i];
+            if (pilot.lit()[cell]) sums.lit += centres.weight[i];
         }
     }
     return sums;
@@ -311,14 +220,15 @@ PixelEstimator::Weights PixelEstimator::weightsOff(LightProbe& probe, const Pilo
 
 PixelEstimate PixelEstimator::alongSilhouette(LightProbe& probe, std::uint32_t seed,
                                               const Pilot& pilot, int raysSpent) const {
+    const BitGrid<kGrid>& silhouette = pilot.silhouette();
     // The silhouettes' cells in rows, every other one backwards, so that neighbours in the list are
     // neighbours on the light as far as can be.
     std::array<Cell, kMaxSilhouetteCells> list;
     std::uint32_t cells = 0;
     int litCells = 0;
     for (int y = 0; y < kGrid; ++y) {
-        litCells += std::popcount(pilot.lit.row[y] & ~pilot.silhouette.row[y]);
-        for (std::uint32_t left = pilot.silhouette.row[y]; left != 0;) {
+        litCells += std::popcount(pilot.lit().row[y] & ~silhouette.row[y]);
+        for (std::uint32_t left = silhouette.row[y]; left != 0;) {
             const int x = y % 2 == 0 ? std::countr_zero(left) : 31 - std::countl_zero(left);
             list[cells++] = {x, y};
             left &= ~(1u << x);
@@ -330,7 +240,7 @@ PixelEstimate PixelEstimator::alongSilhouette(LightProbe& probe, std::uint32_t s
     const int affordable = std::max(1, (maxRays_ - raysSpent) / kReplicates);
     const int cap = std::min(tables_.size(), ReplicateTables::roundDown(affordable));
     // The cells hold the density that the whole light would need, and no more is wanted.
-    int points = std::min(cap, ReplicateTables::roundUp(area * predictPoints(pilot.crossings)));
+    int points = std::min(cap, ReplicateTables::roundUp(area * predictPoints(pilot.crossings())));
     int done = 0;
     Sums sums;
     Collector collector(probe, sums);

@@ -1,32 +1,12 @@
 #pragma once
 
-#include <array>
-#include <cstddef>
 #include <cstdint>
 
-#include "core/trace/tracer.hpp"
+#include "harness/reference/light_probe.hpp"
+#include "harness/reference/pilot.hpp"
 #include "harness/reference/replicate_tables.hpp"
 
 namespace penumbra {
-
-/// Points of the light, in its (s, t) in [0,1)^2, and what one pixel sees of them.
-struct LightBatch {
-    static constexpr std::size_t kCapacity = Tracer::kStreamSize;
-    std::size_t size = 0;
-    std::array<float, kCapacity> s, t;
-    std::array<float, kCapacity> weight;  ///< max(0, cosP) max(0, cosL) / r^2
-    std::array<std::uint8_t, kCapacity> visible;
-};
-
-/// One pixel's view of the light.
-class LightProbe {
-  public:
-    virtual ~LightProbe() = default;
-    /// Fills `weight`.
-    virtual void weigh(LightBatch& batch) = 0;
-    /// Fills `visible`, one ray per point.
-    virtual void look(LightBatch& batch) = 0;
-};
 
 struct PixelEstimate {
     double visibility = 1.0;
@@ -41,7 +21,8 @@ struct PixelEstimate {
 /// decides where rays go, and its own rays are not part of the estimate, which so stays unbiased.
 ///
 /// 1. Pilot: 256 rays, one per cell of a 16 x 16 grid on the light. All agree: done. Otherwise up
-///    to 768 more refine the grid to 32 x 32 along the silhouettes it sees.
+///    to 768 more refine the grid to 32 x 32 along the silhouettes it sees; everywhere in a pixel
+///    among whose neighbours (pixels that are traced together) one sees more than an edge or two.
 /// 2. Where silhouettes are few: cells with like neighbours only are taken at the pilot's
 ///    word, which a sparse set of fresh rays must confirm, and the replicates sample nothing but
 ///    the cells along the silhouettes.
@@ -55,6 +36,12 @@ class PixelEstimator {
     PixelEstimator(const ReplicateTables& tables, double targetStandardError, int maxRays);
 
     PixelEstimate adaptive(LightProbe& probe, std::uint32_t seed) const;
+    /// The same in steps: a pilot that neighbours may be asked about, ...
+    Pilot look(LightProbe& probe, std::uint32_t seed) const;
+    /// ... the rest of its rays where they see more than it does, ...
+    void lookCloser(LightProbe& probe, Pilot& pilot) const;
+    /// ... and the estimate.
+    PixelEstimate finish(LightProbe& probe, std::uint32_t seed, Pilot& pilot) const;
     /// For a pixel whose pilot was constant although a neighbour's was not: kGuardPoints per
     /// replicate over the whole light, and on to the target if they do not all agree with the
     /// pilot.
@@ -65,7 +52,6 @@ class PixelEstimator {
     static constexpr int kGuardPoints = 64;
 
   private:
-    class Pilot;
     struct Sums;
     class Collector;
 

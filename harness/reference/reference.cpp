@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <numeric>
+#include <span>
 
 #include "harness/reference/pixel_estimator.hpp"
 
@@ -103,23 +104,34 @@ class ProgressMeter {
     std::mutex mutex_;
 };
 
-/// Calls `work(probe, pixel)` for all `pixels`, in parallel and in order within a chunk. Each
-/// pixel's result depends on nothing but the pixel, so none depends on the number of threads.
+/// Calls `work(probe, chunk)` for chunks of neighbours among `pixels`, in parallel. A chunk's
+/// result depends on nothing but its pixels, so none depends on the number of threads.
 template <class Work>
-void forPixels(const std::vector<std::uint32_t>& pixels, const Tracer& tracer,
-               const GBuffer& gbuffer, const AreaLight& light, ProgressMeter& meter,
-               const Work& work) {
+void forChunks(const std::vector<std::uint32_t>& pixels, const Tracer& tracer,
+               const AreaLight& light, ProgressMeter& meter, const Work& work) {
     constexpr std::size_t kChunk = kTile * kTile;
     const std::size_t chunks = (pixels.size() + kChunk - 1) / kChunk;
     tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
         SurfaceProbe probe(tracer, light);
-        const std::size_t end = std::min(pixels.size(), (chunk + 1) * kChunk);
-        for (std::size_t k = chunk * kChunk; k < end; ++k) {
-            probe.moveTo(gbuffer.position[pixels[k]], gbuffer.geometricNormal[pixels[k]]);
-            work(probe, pixels[k]);
-        }
-        meter.advance(end - chunk * kChunk);
+        const std::size_t begin = chunk * kChunk;
+        const std::size_t size = std::min(kChunk, pixels.size() - begin);
+        work(probe, std::span(pixels).subspan(begin, size));
+        meter.advance(size);
     });
+}
+
+/// Calls `work(probe, pixel)`, the probe at the pixel's point, for all `pixels`.
+template <class Work>
+void forPixels(const std::vector<std::uint32_t>& pixels, const Tracer& tracer,
+               const GBuffer& gbuffer, const AreaLight& light, ProgressMeter& meter,
+               const Work& work) {
+    forChunks(pixels, tracer, light, meter,
+              [&](SurfaceProbe& probe, std::span<const std::uint32_t> chunk) {
+                  for (const std::uint32_t i : chunk) {
+                      probe.moveTo(gbuffer.position[i], gbuffer.geometricNormal[i]);
+                      work(probe, i);
+                  }
+              });
 }
 
 void set(Reference& out, std::uint32_t pixel, const PixelEstimate& estimate) {
@@ -220,14 +232,46 @@ Reference traceReference(const Tracer& tracer, const GBuffer& gbuffer, const Are
 
     constexpr double kMainShare = 0.9;  // of the progress; the guard's share is not known before
     ProgressMeter meter(progress, 0.0, options.adaptive ? kMainShare : 1.0, pixels.size());
+    if (!options.adaptive) {
+        forPixels(pixels, tracer, gbuffer, light, meter, [&](SurfaceProbe& probe, std::uint32_t i) {
+            set(out, i, estimator.uniform(probe, seedOf(i)));
+        });
+        return out;
+    }
+
+    // What one pixel's pilot misses, a twig or a gap between leaves, a neighbour's sees.
+    const auto doubted = [&](std::span<const std::uint32_t> chunk, const std::vector<Pilot>& pilots,
+                             std::size_t k) {
+        if (pilots[k].constant()) return false;
+        const int x = static_cast<int>(chunk[k]) % out.width;
+        const int y = static_cast<int>(chunk[k]) / out.width;
+        for (std::size_t j = 0; j < chunk.size(); ++j) {
+            const int dx = static_cast<int>(chunk[j]) % out.width - x;
+            const int dy = static_cast<int>(chunk[j]) / out.width - y;
+            if (std::max(std::abs(dx), std::abs(dy)) == 1 && !pilots[j].constant() &&
+                pilots[k].sureOfOtherThan(pilots[j]))
+                return true;
+        }
+        return false;
+    };
     std::vector<std::uint8_t> constant(gbuffer.size(), 0), guarded(gbuffer.size(), 0);
-    forPixels(pixels, tracer, gbuffer, light, meter, [&](SurfaceProbe& probe, std::uint32_t i) {
-        const PixelEstimate estimate = options.adaptive ? estimator.adaptive(probe, seedOf(i))
-                                                        : estimator.uniform(probe, seedOf(i));
-        set(out, i, estimate);
-        constant[i] = estimate.constant;
-    });
-    if (!options.adaptive) return out;
+    forChunks(pixels, tracer, light, meter,
+              [&](SurfaceProbe& probe, std::span<const std::uint32_t> chunk) {
+                  std::vector<Pilot> pilots;
+                  pilots.reserve(chunk.size());
+                  for (const std::uint32_t i : chunk) {
+                      probe.moveTo(gbuffer.position[i], gbuffer.geometricNormal[i]);
+                      pilots.push_back(estimator.look(probe, seedOf(i)));
+                  }
+                  for (std::size_t k = 0; k < chunk.size(); ++k) {
+                      const std::uint32_t i = chunk[k];
+                      probe.moveTo(gbuffer.position[i], gbuffer.geometricNormal[i]);
+                      if (doubted(chunk, pilots, k)) estimator.lookCloser(probe, pilots[k]);
+                      const PixelEstimate estimate = estimator.finish(probe, seedOf(i), pilots[k]);
+                      set(out, i, estimate);
+                      constant[i] = estimate.constant;
+                  }
+              });
 
     // 256 rays that agree miss a fringe of the light of area a with a probability of exp(-256 a),
     // and where there is a penumbra next door there are fringes. Pixels found to be mixed cast

@@ -395,6 +395,38 @@ std::string references(const SummaryInput& input) {
                  3, lines);
 }
 
+std::string certification(const SummaryInput& input) {
+    std::vector<Cells> lines;
+    Certificate all;
+    const auto cells = [](const std::string& scene, const std::string& frame,
+                          const Certificate& c) {
+        return Cells{scene,
+                     frame,
+                     fmt::format("{}", c.pixels),
+                     fmt::format("{:.1f} %", 100.0 * c.coverage()),
+                     number(c.rmse()),
+                     number(std::sqrt(c.meanSquare())),
+                     number(c.worst)};
+    };
+    for (const ReferenceStats& r : input.references) {
+        if (r.checked.pixels == 0) continue;
+        lines.push_back(cells(escaped(r.scene), fmt::format("{}", r.frame), r.checked));
+        all.add(r.checked);
+    }
+    if (lines.empty()) return {};
+    lines.push_back(cells("all", "", all));
+    const bool sound = all.coverage() >= Certificate::kLeastCoverage &&
+                       all.coverage() <= Certificate::kMostCoverage;
+    return "## Is the reference right?\n\nA sample of its penumbra pixels against exact visibility "
+           "(scenes with alpha-masked casters have none). Coverage: the share of pixels whose 95 % "
+           "interval holds the exact value; 93 to 99 % over the run is right. Standardised: root "
+           "mean square of error over standard error; " +
+           number(std::sqrt(Certificate::kMeanSquare)) + " is expected of 16 replicates.\n\n" +
+           table({"scene", "frame", "pixels", "coverage", "rmse", "standardised", "worst"}, 2,
+                 lines) +
+           (sound ? "" : "**The error bars of the reference are wrong in this run.**\n\n");
+}
+
 std::string phases(const SummaryInput& input) {
     if (input.phases.empty()) return {};
     double total = 0, overhead = 0;
@@ -438,7 +470,7 @@ std::string ratios(const SummaryInput& input) {
 std::string summaryMarkdown(const SummaryInput& input) {
     return fmt::format("# {}\n\n", escaped(input.title)) + provenance(input) + warnings(input) +
            overview(input) + scenes(input) + shadowEdges(input) + separation(input) +
-           references(input) + phases(input) + ratios(input);
+           references(input) + certification(input) + phases(input) + ratios(input);
 }
 
 }  // namespace penumbra

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "harness/reference/certificate.hpp"
 #include "harness/run/row.hpp"
 
 namespace penumbra {
@@ -21,6 +22,7 @@ struct ReferenceStats {
     /// What one ray count for all pixels would have spent at the same worst standard error; 0 if
     /// unknown.
     double uniformEquivalentRays = 0;
+    Certificate checked{};  ///< against exact visibility; empty where that is not possible
 };
 
 struct PhaseTime {

@@ -30,8 +30,12 @@ std::vector<std::pair<std::string, std::string>> pairsFromJson(const Json& objec
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RunRecord::SceneEntry, id, shows, figure, source, frames, chosen)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RunRecord::SettingEntry, name, method, params)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ReferenceStats, scene, frame, rays, seconds, cached,
-                                   penumbraPixels, scoredPixels, uniformEquivalentRays)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Certificate, pixels, covered, squaredError, squaredStandardised,
+                                   worst)
+// With defaults: records of earlier versions lack `checked`.
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(ReferenceStats, scene, frame, rays, seconds, cached,
+                                                penumbraPixels, scoredPixels, uniformEquivalentRays,
+                                                checked)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PhaseTime, name, seconds)
 
 void RunRecord::write(const std::filesystem::path& path) const {

@@ -143,14 +143,12 @@ TEST(Exact, OverlappingRectanglesAtDifferentHeights) {
     const Reference exact = exactOf(shape, points, light);
     for (std::size_t i = 0; i < points.size(); ++i) {
         const glm::dvec2 p(points.position[i]);
-        const Rect a = closed_form::intersection(closed_form::projected(low, p, 1.0, 5.0),
-                                                 rectOf(light)),
-                   b = closed_form::intersection(closed_form::projected(high, p, 3.0, 5.0),
-                                                 rectOf(light));
-        const double both = closed_form::intersection(a, b).area();
-        ASSERT_NEAR(exact.visibility[i], 1.0 - (a.area() + b.area() - both) / light.area(),
+        ASSERT_NEAR(exact.visibility[i],
+                    closed_form::twoRectangles(p, low, 1.0, high, 3.0, rectOf(light), 5.0),
                     kTolerance);
-        overlapping += both > 0.0;
+        overlapping += closed_form::intersection(closed_form::projected(low, p, 1.0, 5.0),
+                                                 closed_form::projected(high, p, 3.0, 5.0))
+                           .area() > 0.0;
     }
     EXPECT_GT(overlapping, 100);
 }
@@ -164,9 +162,10 @@ TEST(Exact, CoplanarRectanglesDisjointAndOverlapping) {
         shape.rectangle(a.lo, a.hi, 1.5);
         shape.rectangle(b.lo, b.hi, 1.5);
         for (double x = -0.5; x < 0.6; x += 0.11)
-            EXPECT_NEAR(exactAt(shape, {x, 0.3 * x, 0}, light),
-                        closed_form::twoRectangles({x, 0.3 * x}, a, b, 1.5, rectOf(light), 4.0),
-                        kTolerance);
+            EXPECT_NEAR(
+                exactAt(shape, {x, 0.3 * x, 0}, light),
+                closed_form::twoRectangles({x, 0.3 * x}, a, 1.5, b, 1.5, rectOf(light), 4.0),
+                kTolerance);
     }
 }
 
@@ -203,18 +202,6 @@ TEST(Exact, TwoLayersOfTheExactnessTable) {
               0.0);
 }
 
-/// R2.6: the area that two circles have in common, at distance D.
-double lens(double D, double r, double R) {
-    if (D >= r + R) return 0.0;
-    const double least = std::min(r, R);
-    if (D <= std::abs(R - r)) return std::numbers::pi * least * least;
-    const auto part = [&](double a, double b) {
-        return a * a * std::acos(std::clamp((D * D + a * a - b * b) / (2 * D * a), -1.0, 1.0));
-    };
-    const double kite = (-D + r + R) * (D + r - R) * (D - r + R) * (D + r + R);
-    return part(r, R) + part(R, r) - 0.5 * std::sqrt(std::max(0.0, kite));
-}
-
 glm::dvec3 onCircle(const glm::dvec3& centre, double radius, int i, int n) {
     const double angle = 2 * std::numbers::pi * i / n;
     return centre + radius * glm::dvec3(std::cos(angle), std::sin(angle), 0.0);
@@ -241,38 +228,19 @@ TEST(Exact, DiscOverDisc) {
         ASSERT_LT(std::abs(stopX) + stopRadius, 0.6) << "the disc is on the light";
         const double stopArea = std::numbers::pi * stopRadius * stopRadius;
         const double discArea = std::numbers::pi * discRadius * discRadius;
-        const double truth = stopArea - lens(std::abs(discX - stopX), discRadius, stopRadius);
+        const double truth =
+            stopArea - closed_form::lens(std::abs(discX - stopX), discRadius, stopRadius);
         EXPECT_NEAR(exactAt(shape, {x, 0, 0}, light), truth / light.area(),
                     lacking * (stopArea + discArea) / light.area() + kTolerance)
             << x;
     }
 }
 
-/// R2.7: the share of the light hidden by a sphere: chords of the ellipse, clipped to the light.
-double besideSphere(const glm::dvec3& p, const glm::dvec3& centre, double radius,
-                    const AreaLight& light) {
-    const glm::dvec3 A = centre - p;
-    const double H = light.centre.z - p.z, k = glm::dot(A, A) - radius * radius;
-    const int nodes = 200000;
-    double hidden = 0.0;
-    for (int i = 0; i < nodes; ++i) {
-        const double X = (2.0 * (i + 0.5) / nodes - 1.0) * light.halfU - p.x;
-        // (aX + bY + hH)^2 >= k (X^2 + Y^2 + H^2), a quadratic in Y.
-        const double c0 = A.x * X + A.z * H;
-        const double q2 = k - A.y * A.y, q1 = -2.0 * A.y * c0, q0 = k * (X * X + H * H) - c0 * c0;
-        const double radicand = q1 * q1 - 4.0 * q2 * q0;
-        if (radicand <= 0.0) continue;
-        const double low = (-q1 - std::sqrt(radicand)) / (2.0 * q2) + p.y,
-                     high = (-q1 + std::sqrt(radicand)) / (2.0 * q2) + p.y;
-        hidden += std::max(0.0, std::min(high, light.halfV) - std::max(low, -light.halfV));
-    }
-    return 1.0 - hidden / nodes / (2.0 * light.halfV);
-}
-
 TEST(Exact, SphereLiesBetweenItsMeshesInnerAndOuterSphere) {
     // The mesh's vertices are on the sphere. Its triangles are half cells of pi/n by at most pi/n
     // radians, so their circumscribed circles have radii of at most pi/n / sqrt(2), and the mesh
     // holds the sphere of radius r sqrt(1 - pi^2 / (2 n^2)).
+    constexpr int kNodes = 200000;
     const int n = 96;
     const double radius = 0.5;
     const double inner =
@@ -283,12 +251,13 @@ TEST(Exact, SphereLiesBetweenItsMeshesInnerAndOuterSphere) {
     shape.sphere(centre, radius, n);
     // On axis first: rho = H r / sqrt(h^2 - r^2), the ellipse a circle.
     const double rho = 4.0 * radius / std::sqrt(1.5 * 1.5 - radius * radius);
-    EXPECT_NEAR(besideSphere({0, 0.1, 0}, centre, radius, lightAbove(4.0, 4.0, 4.0)),
-                1.0 - std::numbers::pi * rho * rho / 16.0, 1e-6);
+    EXPECT_NEAR(
+        closed_form::besideSphere({0, 0.1, 0}, centre, radius, lightAbove(4.0, 4.0, 4.0), kNodes),
+        1.0 - std::numbers::pi * rho * rho / 16.0, 1e-6);
     for (double x = -1.2; x < 1.3; x += 0.2) {
         const glm::dvec3 p(x, -0.3, 0.0);
-        const double outerV = besideSphere(p, centre, radius, light);
-        const double innerV = besideSphere(p, centre, inner, light);
+        const double outerV = closed_form::besideSphere(p, centre, radius, light, kNodes);
+        const double innerV = closed_form::besideSphere(p, centre, inner, light, kNodes);
         const double v = exactAt(shape, p, light);
         EXPECT_GE(v, outerV - kTolerance) << x;
         EXPECT_LE(v, innerV + kTolerance) << x;

@@ -153,6 +153,46 @@ TEST(PixelEstimator, GuardFindsFringesThePilotMissed) {
     EXPECT_EQ(missed, 0) << "independent rays would miss exp(-1024 * 0.008) = 3e-4 of them";
 }
 
+/// Half the light, and a window of area 8e-3 in the dark half: the greatest error a pixel may have.
+bool windowBesideAnEdge(double s, double t) {
+    return s < 0.4 || (std::abs(s - 0.8) < 0.05 && std::abs(t - 0.5) < 0.04);
+}
+
+TEST(PixelEstimator, NeighboursTellWhatAPilotMissed) {
+    const ReplicateTables tables(4096);
+    const PixelEstimator estimator(tables, kTarget, 65536);
+    int missed = 0, told = 0, missedCloser = 0;
+    for (std::uint32_t k = 0; k < 2000; ++k) {
+        Stencil stencil(windowBesideAnEdge);
+        Pilot pilot = estimator.look(stencil, hash(k, 1u));
+        if (pilot.lit()[{25, 16}] || pilot.lit()[{26, 16}]) continue;
+        ++missed;
+        bool doubt = false;
+        for (std::uint32_t neighbour = 0; neighbour < 3; ++neighbour)
+            doubt |= pilot.sureOfOtherThan(estimator.look(stencil, hash(k, 2u, neighbour)));
+        told += doubt;
+        estimator.lookCloser(stencil, pilot);
+        const PixelEstimate estimate = estimator.finish(stencil, hash(k, 1u), pilot);
+        missedCloser += std::abs(estimate.visibility - 0.408) > 6 * kTarget;
+    }
+    ASSERT_GT(missed, 20) << "256 rays miss it now and then, or there is nothing to test";
+    EXPECT_GT(told, 0.9 * missed) << "three neighbours miss it as rarely as the pilot, cubed";
+    EXPECT_EQ(missedCloser, 0) << "rays in all of 32 x 32 cells and 768 fresh ones";
+}
+
+TEST(PixelEstimator, NeighboursThatSeeTheSameEdgeAgree) {
+    const ReplicateTables tables(64);
+    const PixelEstimator estimator(tables, kTarget, 65536);
+    for (std::uint32_t k = 0; k < 200; ++k) {
+        // From pixel to pixel an edge moves by a cell or so.
+        const double at = 0.2 + 0.6 * toUnitFloat(hash(k, 9u));
+        Stencil here([&](double s, double t) { return s + 0.2 * t < at; });
+        Stencil beside([&](double s, double t) { return s + 0.2 * t < at + 1.0 / 32; });
+        const Pilot pilot = estimator.look(here, hash(k, 1u));
+        EXPECT_FALSE(pilot.sureOfOtherThan(estimator.look(beside, hash(k, 2u)))) << at;
+    }
+}
+
 TEST(PixelEstimator, ShadingIsTheVisiblePartOfAnUnevenLight) {
     const ReplicateTables tables(4096);
     const PixelEstimator estimator(tables, kTarget, 65536);

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <glm/glm.hpp>
+#include <numbers>
 #include <vector>
 
 #include "core/scene/area_light.hpp"
@@ -39,6 +41,13 @@ inline double halfPlane(double x, double e, double h, double w, double H) {
     return std::clamp(0.5 - (x - x0) / penumbraWidth, 0.0, 1.0);
 }
 
+/// R2.3: the part of a disc of radius R on the side of x <= edge, its centre at x = 0: a share of
+/// its area.
+inline double discBeside(double edge, double R) {
+    const double a = std::clamp(edge / R, -1.0, 1.0);
+    return 0.5 + (a * std::sqrt(1.0 - a * a) + std::asin(a)) / std::numbers::pi;
+}
+
 /// R2.4: any straight edge, any receiver: the share of the light on the side of `openSide` of the
 /// plane through p and the edge's line a b.
 inline double straightEdge(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b,
@@ -63,11 +72,45 @@ inline double straightEdge(const glm::dvec3& p, const glm::dvec3& a, const glm::
     return 0.5 * doubled;
 }
 
-/// R2.9: two coplanar rectangles, overlapping or not: the union by inclusion and exclusion.
-inline double twoRectangles(glm::dvec2 p, const Rect& a, const Rect& b, double h, const Rect& light,
-                            double H) {
-    const Rect onLightA = intersection(projected(a, p, h, H), light);
-    const Rect onLightB = intersection(projected(b, p, h, H), light);
+/// R2.6: the area that two discs of radii r and R have in common, their centres D apart.
+inline double lens(double D, double r, double R) {
+    if (D >= r + R) return 0.0;
+    const double least = std::min(r, R);
+    if (D <= std::abs(R - r)) return std::numbers::pi * least * least;
+    const auto part = [&](double a, double b) {
+        return a * a * std::acos(std::clamp((D * D + a * a - b * b) / (2 * D * a), -1.0, 1.0));
+    };
+    const double kite = (-D + r + R) * (D + r - R) * (D - r + R) * (D + r + R);
+    return part(r, R) + part(R, r) - 0.5 * std::sqrt(std::max(0.0, kite));
+}
+
+/// R2.7: a sphere before a rectangular light: chords of the ellipse, clipped to the light, at
+/// `nodes` places.
+inline double besideSphere(const glm::dvec3& p, const glm::dvec3& centre, double radius,
+                           const AreaLight& light, int nodes) {
+    const glm::dvec3 A = centre - p;
+    const double H = light.centre.z - p.z, k = glm::dot(A, A) - radius * radius;
+    double hidden = 0.0;
+    for (int i = 0; i < nodes; ++i) {
+        const double X = (2.0 * (i + 0.5) / nodes - 1.0) * light.halfU - p.x;
+        // (aX + bY + hH)^2 >= k (X^2 + Y^2 + H^2), a quadratic in Y.
+        const double c0 = A.x * X + A.z * H;
+        const double q2 = k - A.y * A.y, q1 = -2.0 * A.y * c0, q0 = k * (X * X + H * H) - c0 * c0;
+        const double radicand = q1 * q1 - 4.0 * q2 * q0;
+        if (radicand <= 0.0) continue;
+        const double low = (-q1 - std::sqrt(radicand)) / (2.0 * q2) + p.y,
+                     high = (-q1 + std::sqrt(radicand)) / (2.0 * q2) + p.y;
+        hidden += std::max(0.0, std::min(high, light.halfV) - std::max(low, -light.halfV));
+    }
+    return 1.0 - hidden / nodes / (2.0 * light.halfV);
+}
+
+/// R2.8 and R2.9: two rectangles at the heights ha and hb, overlapping or not: the union by
+/// inclusion and exclusion.
+inline double twoRectangles(glm::dvec2 p, const Rect& a, double ha, const Rect& b, double hb,
+                            const Rect& light, double H) {
+    const Rect onLightA = intersection(projected(a, p, ha, H), light);
+    const Rect onLightB = intersection(projected(b, p, hb, H), light);
     const double covered =
         onLightA.area() + onLightB.area() - intersection(onLightA, onLightB).area();
     return 1.0 - covered / light.area();
