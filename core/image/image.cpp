@@ -130,7 +130,8 @@ Image readImage(const std::filesystem::path& path) {
         std::ranges::replace(why, '\n', ' ');
         throw InputError(fmt::format("{}: {}", path.string(), why));
     };
-    if (!std::filesystem::is_regular_file(path)) fail("no such file");
+    if (!std::filesystem::is_regular_file(path))
+        fail(std::filesystem::exists(path) ? "not a file" : "no such file");
     OIIO::ImageSpec asStored;
     asStored.attribute("oiio:UnassociatedAlpha", 1);  // values as they are in the file
     const auto input = OIIO::ImageInput::open(path.string(), &asStored);
@@ -141,10 +142,18 @@ Image readImage(const std::filesystem::path& path) {
         spec.image_pixels() > kMostValues / static_cast<std::uint64_t>(spec.nchannels))
         fail(fmt::format("{} x {} pixels with {} channels are not supported", spec.width,
                          spec.height, spec.nchannels));
+    if (spec.x != spec.full_x || spec.y != spec.full_y || spec.width != spec.full_width ||
+        spec.height != spec.full_height)
+        fail(
+            fmt::format("holds {} x {} pixels from ({}, {}) of a picture of {} x {} from ({}, {}): "
+                        "a whole picture is needed",
+                        spec.width, spec.height, spec.x, spec.y, spec.full_width, spec.full_height,
+                        spec.full_x, spec.full_y));
     Image image = Image::withChannels(spec.width, spec.height, spec.channelnames);
     image.integers = !spec.format.is_floating_point();
     if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, image.pixels.data()))
         fail(input->geterror());
+    image.furtherParts = input->seek_subimage(1, 0);
     return image;
 }
 

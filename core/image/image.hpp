@@ -13,6 +13,7 @@ struct Image {
     std::vector<std::string> channels;
     std::vector<float> pixels;  ///< width * height * channels.size()
     bool integers = false;      ///< read from a file of integers: by convention sRGB-encoded
+    bool furtherParts = false;  ///< the file holds more images than this one
 
     std::size_t channelCount() const { return channels.size(); }
     float& at(int x, int y, int c) {
@@ -33,7 +34,8 @@ struct Image {
 void writeExr(const std::filesystem::path& path, const Image& image);
 
 /// Any flat image OpenImageIO reads, with its channel names: values as stored (integers as 0..1,
-/// nothing linearised), of several parts the first. Throws InputError.
+/// nothing linearised), of several parts the first. Throws InputError, also for a file that holds
+/// only a part of its picture (an EXR whose data window is not its display window).
 Image readImage(const std::filesystem::path& path);
 
 /// 8-bit RGB PNG from linear values in [0,1] (sRGB encoded, clamped); three channels expected.

@@ -65,6 +65,8 @@ int runCommandLine(int argc, char** argv) {
     addReportCommand(app, action);
     addMergeCommand(app, action);
     addDiffCommand(app, action);
+    addScoreCommand(app, action, quoted(argc, argv));
+    addExportCommand(app, action);
     try {
         requireSubcommand(app, argc, argv);
         app.parse(argc, argv);

@@ -16,5 +16,7 @@ void addCompareCommand(CLI::App& app, Action& action, const std::string& command
 void addReportCommand(CLI::App& app, Action& action);
 void addMergeCommand(CLI::App& app, Action& action);
 void addDiffCommand(CLI::App& app, Action& action);
+void addExportCommand(CLI::App& app, Action& action);
+void addScoreCommand(CLI::App& app, Action& action, const std::string& commandLine);
 
 }  // namespace penumbra

@@ -36,14 +36,23 @@ bool isAlpha(const std::string& channel) {
     return channel == "A" || channel == "alpha" || channel == "Alpha";
 }
 
+/// The channel that says where a picture shows something; empty if none does.
+std::string coverageAmong(const std::vector<std::string>& channels) {
+    if (channels.size() < 2) return "";
+    auto found = std::ranges::find(channels, "mask");
+    if (found == channels.end()) found = std::ranges::find_if(channels, isAlpha);
+    return found == channels.end() ? "" : *found;
+}
+
 /// The channels to compare, in order; empty if the file does not say which.
-std::vector<std::string> channelsToCompare(const std::vector<std::string>& channels) {
+std::vector<std::string> channelsToCompare(std::vector<std::string> channels) {
     const auto has = [&](const std::string& name) {
         return std::ranges::find(channels, name) != channels.end();
     };
     if (has("visibility")) return {"visibility"};
     if (channels.size() == 1) return channels;
-    if (channels.size() == 2 && isAlpha(channels[1])) return {channels[0]};
+    std::erase_if(channels, [](const std::string& c) { return isAlpha(c) || c == "mask"; });
+    if (channels.size() == 1) return channels;
     if (channels.size() != 3 && channels.size() != 4) return {};
     if (std::ranges::all_of(kRgb, has)) return kRgb;
     return {channels[0], channels[1], channels[2]};
@@ -110,15 +119,19 @@ DiffImage readForDiff(const std::filesystem::path& path, Transfer transfer) {
     for (std::size_t c = 0; c < chosen.size(); ++c) {
         out.image.setChannel(out.image.channels[c], file.channel(chosen[c]));
     }
+    out.coverageChannel = coverageAmong(file.channels);
+    if (!out.coverageChannel.empty()) out.coverage = file.channel(out.coverageChannel);
     std::vector<std::string> ignored;
     std::ranges::copy_if(file.channels, std::back_inserter(ignored), [&](const std::string& name) {
         return std::ranges::find(chosen, name) == chosen.end();
     });
+    if (file.furtherParts) ignored.push_back("further parts of the file");
     if (!ignored.empty()) {
         out.note = fmt::format("{}: {} compared, {} ignored", out.name, fmt::join(chosen, ", "),
                                fmt::join(ignored, ", "));
     }
-    if (transfer == Transfer::srgb || (transfer == Transfer::byFile && file.integers)) {
+    out.decoded = transfer == Transfer::srgb || (transfer == Transfer::byFile && file.integers);
+    if (out.decoded) {
         std::ranges::transform(out.image.pixels, out.image.pixels.begin(), srgbDecoded);
     }
     return out;

@@ -20,14 +20,20 @@ enum class Transfer {
 struct DiffImage {
     std::string name;  ///< for messages: the path as given
     Image image;
-    std::string note;  ///< which channels of the file were left out, in words; empty if none
+    std::string note;      ///< what of the file was left out, in words; empty if nothing
+    bool decoded = false;  ///< the file's numbers were taken as sRGB-encoded
+    /// The alpha channel or the one named `mask`, as stored: where the picture shows something.
+    /// Empty if the file has neither.
+    std::vector<float> coverage{};
+    std::string coverageChannel{};
 
     bool colour() const { return image.channelCount() == 3; }
 };
 
 /// Reads any image that OpenImageIO reads. A channel named `visibility` is visibility, and so is
-/// the only channel (besides alpha) of a grey image; else three or four channels are colour: R, G
-/// and B by name or the first three. Throws InputError that lists the channels otherwise.
+/// the only channel (besides alpha and `mask`) of a grey image; else three or four channels are
+/// colour: R, G and B by name or the first three. Throws InputError that lists the channels
+/// otherwise.
 DiffImage readForDiff(const std::filesystem::path& path, Transfer transfer = Transfer::byFile);
 
 /// Every metric that two images alone allow, over the whole image; names as in results.csv. Absent

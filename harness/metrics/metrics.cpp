@@ -155,11 +155,6 @@ void Scorer::scoreEdges(std::span<const float> visibility, Metrics& metrics) con
     metrics.penumbraShift = shift / static_cast<double>(edges_.size());
 }
 
-Metrics score(std::span<const float> visibility, const Reference& reference,
-              const GBuffer& gbuffer) {
-    return Scorer(reference, gbuffer).score(visibility);
-}
-
 const std::vector<MetricInfo>& allMetrics() {
     static const std::vector<MetricInfo> kMetrics{
         {"rmse", "V",

@@ -71,10 +71,6 @@ class Scorer {
     std::vector<Edge> edges_;  ///< those that the reference shows
 };
 
-/// One image of a frame.
-Metrics score(std::span<const float> visibility, const Reference& reference,
-              const GBuffer& gbuffer);
-
 struct MetricInfo {
     std::string_view id;  ///< CSV column
     std::string_view unit;

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <tuple>
 
+#include "harness/run/provenance.hpp"
 #include "harness/run/separation.hpp"
 
 namespace penumbra {
@@ -175,7 +176,7 @@ struct Overview {
     Mean rmse, rmsePenumbra, bias, leakRate, falseShadowRate, logRelativeTime;
 };
 
-/// Times are comparable only within a scene, a frame and a renderer.
+/// Times are comparable only within a scene, a frame and a renderer, and not where it is unknown.
 using TimeGroup = std::tuple<std::string, int, std::string>;
 
 TimeGroup timeGroup(const Row& row) {
@@ -183,7 +184,8 @@ TimeGroup timeGroup(const Row& row) {
 }
 
 bool isTimed(const Row& row) {
-    return row.status == "ok" && row.frameMs && *row.frameMs > 0;
+    return row.status == "ok" && row.frameMs && *row.frameMs > 0 &&
+           row.renderer != kExternalRenderer;
 }
 
 std::map<TimeGroup, double> fastestTimes(const std::vector<Row>& rows) {

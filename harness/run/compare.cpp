@@ -8,7 +8,6 @@
 #include <fstream>
 #include <map>
 #include <set>
-#include <thread>
 
 #include "core/error.hpp"
 #include "harness/reference/certificate.hpp"
@@ -107,7 +106,6 @@ class Run {
           folder_(std::move(folder)),
           loaded_(std::move(loaded)),
           settings_(std::move(settings)),
-          cache_(options.cache.empty() ? ReferenceCache::defaultFolder() : options.cache),
           provenance_(gatherProvenance(context, threads)),
           progress_(countFrames()) {}
 
@@ -134,7 +132,6 @@ class Run {
     RunFolder folder_;
     LoadedScenes loaded_;
     std::vector<Setting> settings_;
-    ReferenceCache cache_;
     Provenance provenance_;
     ProgressLine progress_;
     PhaseClock clock_;
@@ -349,68 +346,24 @@ void Run::runFrame(const Scene& scene, const Frame& frame, bool keepMaps, const 
 }
 
 Reference Run::referenceFor(const Scene& scene, const Frame& frame) {
-    ReferenceOptions options;
-    options.targetStandardError = options_.referenceSe;
-    options.seed = options_.seed;
-    const auto start = std::chrono::steady_clock::now();
-    Reference reference;
-    bool cached = false;
-    const Progress progress = [&](double fraction) { progress_.within(fraction); };
-    if (options_.reference == "exact") {
-        ExactOptions exact;
-        exact.fallback = options;
-        ExactStats counts;
-        reference = exactReference(frame.tracer, scene.materials, frame.gbuffer, frame.light, exact,
-                                   progress, &counts);
-        if (counts.tracedPixels > 0)
-            progress_.note(
-                fmt::format("{} frame {}: {} pixels of the reference are traced, not exact",
-                            scene.id, frame.index, counts.tracedPixels));
-    } else {
-        const std::string key = ReferenceCache::key(*frame.geometry, scene.materials, scene.images,
-                                                    frame.gbuffer, frame.light, options);
-        std::optional<Reference> stored = cache_.load(key, frame.width(), frame.height());
-        cached = stored.has_value();
-        if (cached) {
-            reference = *std::move(stored);
-        } else {
-            reference = traceReference(frame.tracer, frame.gbuffer, frame.light, options, progress);
-            try {
-                cache_.store(key, reference);
-            } catch (const std::exception& e) {
-                progress_.note(fmt::format("the reference is not cached: {}", e.what()));
-            }
-        }
-    }
-    ReferenceStats stats;
-    stats.scene = scene.id;
-    stats.frame = frame.index;
-    stats.rays = reference.totalRays();
-    stats.cached = cached;
-    stats.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    ObtainedReference obtained =
+        obtainReference(scene, frame.index, frame.tracer, frame.gbuffer, frame.light, options_,
+                        [&](double fraction) { progress_.within(fraction); });
+    for (const std::string& note : obtained.notes) progress_.note(note);
     if (options_.reference != "exact")
-        stats.checked = certify(reference, frame.tracer, scene.materials, frame.gbuffer,
-                                frame.light, kCheckedPixels);
-    for (LightClass c : classifyLight(reference, frame.gbuffer))
-        stats.penumbraPixels += c == LightClass::penumbra;
-    stats.scoredPixels = frame.gbuffer.count(PixelClass::scored);
-    float most = 0.0f;
-    std::size_t traced = 0;
-    for (float rays : reference.rays) most = std::max(most, rays), traced += rays > 0.0f;
-    stats.uniformEquivalentRays = static_cast<double>(most) * static_cast<double>(traced);
+        obtained.stats.checked = certify(obtained.reference, frame.tracer, scene.materials,
+                                         frame.gbuffer, frame.light, kCheckedPixels);
     std::erase_if(record_.references, [&](const ReferenceStats& s) {
-        return s.scene == stats.scene && s.frame == stats.frame;
+        return s.scene == obtained.stats.scene && s.frame == obtained.stats.frame;
     });
-    record_.references.push_back(stats);
-    return reference;
+    record_.references.push_back(obtained.stats);
+    return std::move(obtained.reference);
 }
 
 }  // namespace
 
 int compare(const CompareOptions& options) {
-    const int threads = options.threads > 0
-                            ? options.threads
-                            : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+    const int threads = options.threadCount();
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                     static_cast<std::size_t>(threads));
     setenv("LP_NUM_THREADS", std::to_string(threads).c_str(), 1);  // read by llvmpipe

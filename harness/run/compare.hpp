@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -8,24 +7,19 @@
 #include "core/effects/effects.hpp"
 #include "core/gl/context.hpp"
 #include "harness/run/settings.hpp"
+#include "harness/run/truth.hpp"
 
 namespace penumbra {
 
 /// What `penumbra compare` was asked for.
-struct CompareOptions {
+struct CompareOptions : TruthOptions {
     std::string suite;                ///< id; empty with no scene: "standard"
     std::vector<std::string> scenes;  ///< ids, scripts or assets
     SettingChoice settings;
     EffectChoice effects;
-    int width = 512, height = 512;
     int repeats = 5;
-    std::uint32_t seed = 0;
-    int threads = 0;  ///< 0: all
     gl::ContextKind context = gl::ContextKind::osmesa;
-    std::string reference = "embree";
-    double referenceSe = 1.0 / 1024;
-    std::filesystem::path cache;  ///< empty: the user's cache folder
-    std::filesystem::path out;    ///< empty: results/<time>
+    std::filesystem::path out;  ///< empty: results/<time>
     bool resume = false;
     int shard = 1, shards = 1;  ///< this process does every `shards`-th cell from the `shard`-th on
     std::string command;        ///< as typed, for the record

@@ -65,10 +65,17 @@ std::vector<std::pair<std::string, std::string>> Provenance::pairs() const {
 }
 
 Provenance gatherProvenance(const gl::Context& context, int threads) {
-    Provenance p;
+    Provenance p = gatherProvenance(threads);
     p.renderer = context.renderer();
     p.glVersion = context.version();
     p.context = contextName(context.kind());
+    return p;
+}
+
+Provenance gatherProvenance(int threads) {
+    Provenance p;
+    p.renderer = kExternalRenderer;
+    p.glVersion = p.context = "none";
     p.cpu = cpuModel();
     p.buildType = PENUMBRA_BUILD_TYPE;
     p.compiler = "g++ " __VERSION__;

@@ -28,6 +28,12 @@ struct Provenance {
 
 Provenance gatherProvenance(const gl::Context& context, int threads);
 
+/// The renderer of images that were not made here.
+inline constexpr const char* kExternalRenderer = "external";
+
+/// Where the numbers of a run come from that renders nothing itself: kExternalRenderer, no OpenGL.
+Provenance gatherProvenance(int threads);
+
 /// The `results` folder of the source tree this program was built from.
 std::filesystem::path resultsFolder();
 

@@ -13,7 +13,9 @@
 #include <functional>
 #include <iterator>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <type_traits>
 #include <utility>
 
 #include "core/error.hpp"
@@ -72,6 +74,7 @@ bool parseField(const std::string& text, std::optional<double>& value) {
 
 struct Column {
     std::string_view name;
+    bool text;      ///< else a number
     bool measured;  ///< a count or flag that says nothing unless the cell was measured
     std::function<std::string(const Row&)> write;
     std::function<bool(Row&, const std::string&)> read;
@@ -79,7 +82,9 @@ struct Column {
 
 template <class Field>
 Column column(std::string_view name, Field field, bool measured = false) {
-    return {name, measured, [field](const Row& row) { return formatField(field(row)); },
+    constexpr bool kText =
+        std::is_same_v<std::decay_t<std::invoke_result_t<Field, Row&>>, std::string>;
+    return {name, kText, measured, [field](const Row& row) { return formatField(field(row)); },
             [field, measured](Row& row, const std::string& text) {
                 return (measured && text.empty()) || parseField(text, field(row));
             }};
@@ -147,6 +152,14 @@ const std::vector<Column>& columns() {
     return kColumns;
 }
 #undef FIELD
+
+/// One field of a row as it stands in the CSV, before quoting.
+std::string fieldOf(const Row& row, const Column& column) {
+    std::string field = column.write(row);
+    // "0 non-finite pixels" of a cell that never ran would read as a result.
+    if (column.measured && row.status != "ok" && field == "0") field.clear();
+    return field;
+}
 
 std::string quoted(const std::string& field) {
     if (field.find_first_of(",\"\r\n") == std::string::npos) return field;
@@ -293,16 +306,24 @@ std::string csvHeader() {
 }
 
 std::string toCsv(const Row& row) {
-    const bool measured = row.status == "ok";
     std::string line;
     for (const Column& c : columns()) {
         if (&c != &columns().front()) line += ',';
-        const std::string field = c.write(row);
-        // "0 non-finite pixels" of a cell that never ran would read as a result.
-        if (c.measured && !measured && field == "0") continue;
-        line += quoted(field);
+        line += quoted(fieldOf(row, c));
     }
     return line;
+}
+
+std::string toJson(const Row& row) {
+    nlohmann::ordered_json json;
+    for (const Column& c : columns()) {
+        const std::string field = fieldOf(row, c);
+        json[std::string(c.name)] = c.text          ? nlohmann::ordered_json(field)
+                                    : field.empty() ? nlohmann::ordered_json()
+                                                    : nlohmann::ordered_json::parse(field);
+    }
+    // A name may be no UTF-8.
+    return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
 std::vector<Row> readCsv(const std::filesystem::path& path) {

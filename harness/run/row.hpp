@@ -37,6 +37,9 @@ struct Row {
 std::string csvHeader();
 /// One line without the line end; RFC 4180 quoting, C locale.
 std::string toCsv(const Row& row);
+/// A JSON object with the columns in order: texts as strings, numbers as in the CSV, null for empty
+/// numbers.
+std::string toJson(const Row& row);
 
 /// Reads results.csv. A last line cut short by a kill is dropped; any other malformed line throws
 /// InputError with file:line. Unknown further columns are ignored, missing ones throw.

@@ -15,6 +15,36 @@ const std::vector<std::string> kGBufferChannels = {
 
 }  // namespace
 
+void writeGBuffer(const std::filesystem::path& path, const GBuffer& gbuffer,
+                  const glm::dvec3& origin) {
+    Image g = Image::withChannels(gbuffer.width, gbuffer.height, kGBufferChannels);
+    const std::size_t stride = kGBufferChannels.size();
+    for (std::size_t i = 0; i < gbuffer.size(); ++i) {
+        float* pixel = &g.pixels[i * stride];
+        const glm::dvec3 world = glm::dvec3(gbuffer.position[i]) + origin;
+        const bool surface = gbuffer.mask[i] != PixelClass::background;
+        for (int c = 0; c < 3; ++c) {
+            pixel[kPosition + c] = surface ? static_cast<float>(world[c]) : 0.0f;
+            pixel[kNormal + c] = surface ? gbuffer.geometricNormal[i][c] : 0.0f;
+            pixel[kAlbedo + c] = surface ? gbuffer.albedo[i][c] : 0.0f;
+        }
+        pixel[kMask] = static_cast<float>(gbuffer.mask[i]);
+    }
+    writeExr(path, g);
+}
+
+void writeReference(const std::filesystem::path& path, const Reference& reference) {
+    Image r = Image::withChannels(
+        reference.width, reference.height,
+        {"visibility", "standard_error", "rays", "irradiance", "irradiance_unshadowed"});
+    r.setChannel("visibility", reference.visibility);
+    r.setChannel("standard_error", reference.standardError);
+    r.setChannel("rays", reference.rays);
+    r.setChannel("irradiance", reference.irradiance);
+    r.setChannel("irradiance_unshadowed", reference.irradianceUnshadowed);
+    writeExr(path, r);
+}
+
 std::filesystem::path RunFolder::images(const std::string& scene, int frame) const {
     return root_ / "images" / scene / fmt::format("{:04d}", frame);
 }
@@ -31,30 +61,8 @@ void RunFolder::writeTruth(const std::string& scene, int frame, const GBuffer& g
                            const Reference& reference, const glm::dvec3& origin) const {
     const std::filesystem::path folder = images(scene, frame);
     std::filesystem::create_directories(folder);
-    Image g = Image::withChannels(gbuffer.width, gbuffer.height, kGBufferChannels);
-    const std::size_t stride = kGBufferChannels.size();
-    for (std::size_t i = 0; i < gbuffer.size(); ++i) {
-        float* pixel = &g.pixels[i * stride];
-        const glm::dvec3 world = glm::dvec3(gbuffer.position[i]) + origin;
-        const bool surface = gbuffer.mask[i] != PixelClass::background;
-        for (int c = 0; c < 3; ++c) {
-            pixel[kPosition + c] = surface ? static_cast<float>(world[c]) : 0.0f;
-            pixel[kNormal + c] = surface ? gbuffer.geometricNormal[i][c] : 0.0f;
-            pixel[kAlbedo + c] = surface ? gbuffer.albedo[i][c] : 0.0f;
-        }
-        pixel[kMask] = static_cast<float>(gbuffer.mask[i]);
-    }
-    writeExr(folder / "gbuffer.exr", g);
-
-    Image r = Image::withChannels(
-        reference.width, reference.height,
-        {"visibility", "standard_error", "rays", "irradiance", "irradiance_unshadowed"});
-    r.setChannel("visibility", reference.visibility);
-    r.setChannel("standard_error", reference.standardError);
-    r.setChannel("rays", reference.rays);
-    r.setChannel("irradiance", reference.irradiance);
-    r.setChannel("irradiance_unshadowed", reference.irradianceUnshadowed);
-    writeExr(folder / "reference.exr", r);
+    writeGBuffer(folder / "gbuffer.exr", gbuffer, origin);
+    writeReference(folder / "reference.exr", reference);
 }
 
 void RunFolder::writeVisibility(const std::string& scene, int frame, const std::string& setting_,

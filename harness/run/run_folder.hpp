@@ -9,6 +9,12 @@
 
 namespace penumbra {
 
+/// gbuffer.exr of a run, positions in world metres: `origin` is added. Throws std::runtime_error.
+void writeGBuffer(const std::filesystem::path& path, const GBuffer& gbuffer,
+                  const glm::dvec3& origin);
+/// reference.exr of a run. Throws std::runtime_error.
+void writeReference(const std::filesystem::path& path, const Reference& reference);
+
 /// Names and images of a run folder (DESIGN.md section 10; the layout is in docs/ARCHITECTURE.md).
 class RunFolder {
   public:

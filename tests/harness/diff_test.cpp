@@ -5,11 +5,14 @@
 #include <unistd.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <functional>
 #include <limits>
 #include <nlohmann/json.hpp>
 
 #include "core/error.hpp"
+#include "harness/run/row.hpp"
 
 namespace penumbra {
 namespace {
@@ -173,6 +176,32 @@ TEST(Diff, JsonHasTheCsvsNames) {
     EXPECT_NE(diffText(d).find("ssim         -\n"), std::string::npos) << diffText(d);
 }
 
+TEST(Diff, EveryKeyIsAColumnOfTheCsv) {
+    const Diff d = diff(inMemory(filled(2, 2, kV, 0.25F)), inMemory(filled(2, 2, kV, 0.5F)));
+    const std::string header = "," + csvHeader() + ",";
+    const auto json = nlohmann::ordered_json::parse(diffJson(d));
+    std::size_t last = 0;
+    for (const auto& [key, value] : json.items()) {
+        const std::size_t at = header.find("," + key + ",");
+        EXPECT_NE(at, std::string::npos) << key;
+        EXPECT_GE(at, last) << key << " is in the CSV's order";
+        last = at;
+    }
+}
+
+TEST(Diff, ImagesSmallerThanEveryWindow) {
+    for (const auto& channels : {kRgb, kV})
+        for (const int size : {1, 2, 5, 10}) {
+            const Diff d = diff(inMemory(filled(size, 1, channels, 0.25F)),
+                                inMemory(filled(size, 1, channels, 0.75F)));
+            EXPECT_EQ(d.rmse, 0.5);
+            EXPECT_EQ(d.p99, 0.5);
+            EXPECT_FALSE(d.ssim) << size;
+            EXPECT_GT(d.flip.value(), 0.0) << size;
+            EXPECT_LE(d.flip.value(), 1.0) << size;
+        }
+}
+
 TEST(Diff, ErrorPictureUsesTheColoursOfEveryErrorMap) {
     Image truth = filled(3, 1, kV, 0.5F), drawn = truth;
     drawn.pixels = {0.5F, 1.0F, 0.0F};
@@ -243,6 +272,116 @@ TEST_F(DiffFiles, ManyChannelsNeedOneCalledVisibility) {
     pixel[7] = 0.5F;
     const DiffImage picked = readForDiff(write("b.exr", pixel, OIIO::TypeDesc::FLOAT, names));
     EXPECT_EQ(picked.image.pixels, std::vector<float>(6, 0.5F));
+}
+
+TEST_F(DiffFiles, EveryUsualFormatIsRead) {
+    struct Case {
+        const char* name;
+        OIIO::TypeDesc type;
+        double tolerance;
+    };
+    // 0.75 in 8 bits is 191/255; JPEG's colour conversion costs two steps more.
+    for (const Case& c : {Case{"a.png", OIIO::TypeDesc::UINT8, 0.0011},
+                          {"b.png", OIIO::TypeDesc::UINT16, 1e-5},
+                          {"a.tif", OIIO::TypeDesc::UINT8, 0.0011},
+                          {"b.tif", OIIO::TypeDesc::UINT16, 1e-5},
+                          {"c.tif", OIIO::TypeDesc::FLOAT, 0.0},
+                          {"a.jpg", OIIO::TypeDesc::UINT8, 0.009},
+                          {"a.exr", OIIO::TypeDesc::HALF, 0.0},
+                          {"b.exr", OIIO::TypeDesc::FLOAT, 0.0}})
+        for (const std::vector<float>& pixel : {std::vector<float>{0.75F}, {0.75F, 0.75F, 0.75F}}) {
+            const DiffImage image = readForDiff(write(c.name, pixel, c.type), Transfer::linear);
+            EXPECT_EQ(image.image.pixels.size(), 6 * pixel.size()) << c.name;
+            EXPECT_NEAR(image.image.pixels[0], 0.75, c.tolerance) << c.name;
+            EXPECT_EQ(image.note, "") << c.name;
+        }
+}
+
+TEST_F(DiffFiles, NansInAFileAreCounted) {
+    const auto nan = write("a.exr", {kNan}, OIIO::TypeDesc::FLOAT);
+    const auto half = write("b.exr", {0.5F}, OIIO::TypeDesc::HALF);
+    EXPECT_EQ(diff(readForDiff(half), readForDiff(nan)).nonfinite, 6U);
+}
+
+TEST_F(DiffFiles, CoverageIsReadBesideTheImage) {
+    const DiffImage alpha = readForDiff(write("a.png", {1, 0, 1, 0.2F}, OIIO::TypeDesc::UINT8));
+    EXPECT_EQ(alpha.coverageChannel, "A");
+    ASSERT_EQ(alpha.coverage.size(), 6U);
+    EXPECT_NEAR(alpha.coverage[5], 0.2, 1e-6) << "51 of 255, not decoded";
+    EXPECT_TRUE(alpha.decoded);
+    const DiffImage mask =
+        readForDiff(write("b.exr", {3, 0.5F}, OIIO::TypeDesc::FLOAT, {"mask", "Y"}));
+    EXPECT_EQ(mask.coverageChannel, "mask");
+    EXPECT_EQ(mask.coverage[0], 3.0F);
+    EXPECT_EQ(mask.image.pixels[0], 0.5F);
+    EXPECT_FALSE(mask.decoded);
+    const DiffImage five = readForDiff(
+        write("c.exr", {1, 2, 3, 1, 1}, OIIO::TypeDesc::FLOAT, {"R", "G", "B", "A", "mask"}));
+    EXPECT_TRUE(five.colour());
+    EXPECT_EQ(five.image.pixels[2], 3.0F);
+    const DiffImage only = readForDiff(write("d.exr", {0.5F}, OIIO::TypeDesc::FLOAT, {"A"}));
+    EXPECT_EQ(only.image.pixels[0], 0.5F);
+    EXPECT_TRUE(only.coverage.empty());
+}
+
+TEST_F(DiffFiles, OfSeveralPartsTheFirstIsReadWithANote) {
+    for (const char* name : {"a.exr", "a.tif"}) {
+        std::vector<OIIO::ImageSpec> specs(2, OIIO::ImageSpec(3, 2, 1, OIIO::TypeDesc::FLOAT));
+        for (std::size_t i = 0; i < 2; ++i)
+            specs[i].attribute("oiio:subimagename", i == 0 ? "first" : "second");
+        const auto output = OIIO::ImageOutput::create(path(name).string());
+        ASSERT_TRUE(output && output->open(path(name).string(), 2, specs.data()));
+        for (int part = 0; part < 2; ++part) {
+            const std::vector<float> values(6, part == 0 ? 0.25F : 0.75F);
+            ASSERT_TRUE(part == 0 || output->open(path(name).string(), specs[1],
+                                                  OIIO::ImageOutput::AppendSubimage));
+            ASSERT_TRUE(output->write_image(OIIO::TypeDesc::FLOAT, values.data()));
+        }
+        ASSERT_TRUE(output->close());
+        const DiffImage image = readForDiff(path(name));
+        EXPECT_EQ(image.image.pixels, std::vector<float>(6, 0.25F)) << name;
+        EXPECT_TRUE(image.note.ends_with("further parts of the file ignored")) << image.note;
+    }
+}
+
+TEST_F(DiffFiles, APartOfAPictureIsRefusedWithItsPlace) {
+    OIIO::ImageSpec spec(3, 2, 1, OIIO::TypeDesc::FLOAT);
+    spec.x = 4;
+    spec.y = 5;
+    spec.full_width = spec.full_height = 16;
+    const std::vector<float> values(6, 0.5F);
+    const auto output = OIIO::ImageOutput::create(path("a.exr").string());
+    ASSERT_TRUE(output->open(path("a.exr").string(), spec) &&
+                output->write_image(OIIO::TypeDesc::FLOAT, values.data()) && output->close());
+    EXPECT_TRUE(messageOf([&] { readForDiff(path("a.exr")); })
+                    .ends_with("a.exr: holds 3 x 2 pixels from (4, 5) of a picture of 16 x 16 from "
+                               "(0, 0): a whole picture is needed"));
+}
+
+TEST_F(DiffFiles, BrokenFilesAreOneLine) {
+    write("whole.exr", {0.5F}, OIIO::TypeDesc::FLOAT);
+    write("whole.tif", {0.5F}, OIIO::TypeDesc::FLOAT);
+    write("whole.jpg", {0.5F}, OIIO::TypeDesc::UINT8);
+    write("whole.png", {0.5F}, OIIO::TypeDesc::UINT8);
+    std::vector<std::string> names = {"text.exr", "text.png", "text.tif", "text.jpg", "text.xyz"};
+    for (const std::string& name : names) std::ofstream(path(name)) << "no image";
+    for (const std::string end : {"exr", "tif", "jpg", "png"}) {
+        std::ifstream in(path("whole." + end), std::ios::binary);
+        const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+        std::ofstream(path("half." + end), std::ios::binary) << bytes.substr(0, bytes.size() / 2);
+        std::ofstream(path("empty." + end), std::ios::binary);
+        names.push_back("half." + end);
+        names.push_back("empty." + end);
+    }
+    std::filesystem::create_directories(path("folder.exr"));
+    names.push_back("folder.exr");
+    for (const std::string& name : names) {
+        testing::internal::CaptureStderr();  // libpng speaks for itself
+        const std::string message = messageOf([&] { readForDiff(path(name)); });
+        testing::internal::GetCapturedStderr();
+        EXPECT_TRUE(message.starts_with(path(name).string() + ": ")) << message;
+        EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+    }
 }
 
 TEST_F(DiffFiles, AbsentFilesAreNamed) {

@@ -36,7 +36,7 @@ struct Strip {
         reference.visibility = std::move(truth);
     }
     Metrics score(const std::vector<float>& visibility) const {
-        return penumbra::score(visibility, reference, gbuffer);
+        return Scorer(reference, gbuffer).score(visibility);
     }
 };
 

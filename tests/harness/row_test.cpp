@@ -128,13 +128,15 @@ TEST(ToCsv, ShortestNumbersQuotesAndEmptyFields) {
         line.starts_with("two_layers,3,pcf,pcf-0a1b2c3d,\"taps=16;kernel=\"\"disc\"\"\","
                          "512,384,ok,,0.1,0.3333333333333333,1e-300,5e-324,9,1,"))
         << line;
-    EXPECT_TRUE(line.ends_with(",\"llvmpipe (LLVM 15.0.6, 256 bits)\",2,0123abc,0.009")) << line;
+    EXPECT_TRUE(
+        line.ends_with(",\"llvmpipe (LLVM 15.0.6, 256 bits)\",2,0123abc,0.009,-0.75,0.0625"))
+        << line;
 }
 
 TEST(ToCsv, ACellThatNeverRanHasNoCounts) {
     Row row = failedRow();
     row.message = "no";
-    EXPECT_EQ(toCsv(row), "fence,0,hard,hard,,64,64,failed,no" + std::string(39, ',') + "1,,");
+    EXPECT_EQ(toCsv(row), "fence,0,hard,hard,,64,64,failed,no" + std::string(39, ',') + "1,,,,");
     row.status = "ok";
     EXPECT_NE(toCsv(row).find(",0,0,0,0,"), std::string::npos) << "counts of a measured cell";
 }
