@@ -1,26 +1,34 @@
 // Percentage-closer filtering: the hard comparison averaged over a fixed kernel around the receiver
 // (Reeves, Salesin, Cook 1987; METHODS.md 2). Every tap compares against the receiver's own plane
-// followed to that tap (receiver-plane depth bias), so wide kernels do not shade slopes. The
+// followed to that tap (receiver-plane depth bias), so wide kernels do not shade slopes; the
+// texture unit's four comparisons share the one reference that is right for the worst of them. The
 // penumbra has one width whatever the distances, so it is too wide at contacts and too narrow far
 // from the caster; kernels wider than a caster's detail step over it, and on concave or twisted
 // surfaces a kernel wider than a facet finds the next one above its plane and shades it (spinner).
 
+#include <cmath>
+
 #include "core/gl/program.hpp"
 #include "core/passes/depth_pass.hpp"
+#include "core/sampling/sampling.hpp"
 #include "methods/shadow_method.hpp"
 
 namespace penumbra {
 namespace {
 
 class Pcf : public ShadowMethod {
+    static constexpr int kMostTaps = 1024;  // in shaders/pcf.glsl, too
+
     IntParameter mapSize_{this, "map_size", 1024, 16, 16384, "texels", "side of the shadow map"};
     ChoiceParameter pattern_{
         this,
         "pattern",
-        {"grid", "vogel"},
-        "taps at the cell centres of a k x k grid, k^2 the greatest square not "
-        "above taps, over the kernel's rectangle; or on its inscribed Vogel disc"};
-    IntParameter taps_{this, "taps", 49, 1, 1024, "", "comparisons per pixel"};
+        {"grid", "vogel", "poisson"},
+        "taps at the cell centres of a k x k grid, k^2 the greatest square not above taps, over "
+        "the "
+        "kernel's rectangle; or on its inscribed disc, along Vogel's spiral or at random with a "
+        "least distance"};
+    IntParameter taps_{this, "taps", 49, 1, kMostTaps, "", "comparisons per pixel"};
     FloatParameter kernel_{this,
                            "kernel",
                            0.25,
@@ -29,6 +37,13 @@ class Pcf : public ShadowMethod {
                            "light sizes",
                            "kernel width at the receiver over the light's width, each axis apart: "
                            "0.25 fits casters a fifth of the way up from receiver to light"};
+    BoolParameter rotation_{this, "rotation", false,
+                            "turn the pattern by an angle of each pixel's own: noise for banding"};
+    ChoiceParameter compare_{this,
+                             "compare",
+                             {"nearest", "hardware"},
+                             "each tap compares the nearest texel, or four of them weighted by "
+                             "distance as the texture unit does"};
     FloatParameter bias_{this,
                          "bias",
                          0.5,
@@ -55,24 +70,44 @@ class Pcf : public ShadowMethod {
 
     void prepare(const Scene&, const Plan& plan) override {
         depth_ = DepthPass(plan.has(Effect::alpha_mask));
-        program_ = gl::Program::graphics("pcf.glsl", {!plan.has(Effect::penumbra) ? "KERNEL_POINT"
-                                                      : pattern_.is("grid")       ? "KERNEL_GRID"
-                                                                            : "KERNEL_VOGEL"});
+        point_ = gl::Program::graphics("pcf.glsl", {"NO_KERNEL"});
+        if (!plan.has(Effect::penumbra)) return;
+        std::vector<std::string> defines;
+        if (compare_.is("hardware")) defines.emplace_back("COMPARE_HARDWARE");
+        if (rotation_) defines.emplace_back("ROTATION");
+        kernelProgram_ = gl::Program::graphics("pcf.glsl", defines);
+        const std::vector<glm::vec4> taps = pattern();
+        tapCount_ = static_cast<int>(taps.size());
+        tapBuffer_ =
+            gl::Buffer::create(kMostTaps * sizeof(glm::vec4), nullptr, GL_DYNAMIC_STORAGE_BIT);
+        glNamedBufferSubData(tapBuffer_.id(), 0,
+                             static_cast<GLsizeiptr>(taps.size() * sizeof(glm::vec4)), taps.data());
+        comparing_ = comparingSampler();
     }
 
     void build(const Frame& frame, const Plan&) override {
-        const glm::dvec2 halfKernelM = kernelHalf(frame.light);
-        depth_.render(frame, LightView::fit(frame, halfKernelM, mapSize_), mapSize_);
+        // A turned square reaches out by its diagonal.
+        const double reach = rotation_ && pattern_.is("grid") ? std::sqrt(2.0) : 1.0;
+        depth_.render(frame, LightView::fit(frame, reach * kernelHalf(frame.light), mapSize_),
+                      mapSize_);
     }
 
-    void shade(const Frame& frame, const Plan&, const VisibilityTarget& target) override {
+    void shade(const Frame& frame, const Plan& plan, const VisibilityTarget& target) override {
         const gl::DebugGroup group("pcf: filter");
-        program_.use();
-        depth_.bind(program_, 0);
-        program_.set("biasTexels", static_cast<float>(bias_));
-        program_.set("kernelHalfM", glm::vec2(kernelHalf(frame.light)));
-        program_.set(*this);
-        target.draw(program_, frame.gbufferTextures);
+        const bool kernel = plan.has(Effect::penumbra) && !frame.light.isPoint();
+        const gl::Program& program = kernel ? kernelProgram_ : point_;
+        program.use();
+        depth_.bind(program, 0);
+        program.set("biasTexels", static_cast<float>(bias_));
+        if (kernel) {
+            depth_.map().bind(kComparedUnit);
+            glBindSampler(kComparedUnit, comparing_.id());
+            glBindBufferBase(GL_UNIFORM_BUFFER, 1, tapBuffer_.id());
+            program.set("tapCount", tapCount_);
+            program.set("kernelHalfM", glm::vec2(kernelHalf(frame.light)));
+        }
+        target.draw(program, frame.gbufferTextures);
+        glBindSampler(kComparedUnit, 0);
     }
 
     WorkCounters counters() const override {
@@ -84,8 +119,46 @@ class Pcf : public ShadowMethod {
         return static_cast<double>(kernel_) * glm::dvec2(light.halfU, light.halfV);
     }
 
+    /// The taps on [-1, 1]^2, one in xy each.
+    std::vector<glm::vec4> pattern() const {
+        std::vector<glm::vec4> taps;
+        if (pattern_.is("grid")) {
+            const int k = static_cast<int>(std::sqrt(taps_ + 0.5));
+            for (int j = 0; j < k; ++j)
+                for (int i = 0; i < k; ++i)
+                    taps.emplace_back(
+                        (2.0f * glm::vec2(i, j) + 1.0f) / static_cast<float>(k) - 1.0f, 0.0f, 0.0f);
+        } else if (pattern_.is("vogel")) {
+            for (int i = 0; i < taps_; ++i)
+                taps.emplace_back(vogelDisc(i, taps_, 0.0f), 0.0f, 0.0f);
+        } else {
+            for (const glm::vec2& tap : poissonDisc(taps_)) taps.emplace_back(tap, 0.0f, 0.0f);
+        }
+        return taps;
+    }
+
+    /// 1 where the map's s is at most the reference, and past its border.
+    static gl::Sampler comparingSampler() {
+        GLuint id = 0;
+        glCreateSamplers(1, &id);
+        glSamplerParameteri(id, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+        glSamplerParameteri(id, GL_TEXTURE_COMPARE_FUNC, GL_GEQUAL);
+        for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+            glSamplerParameteri(id, filter, GL_LINEAR);
+        for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
+            glSamplerParameteri(id, wrap, GL_CLAMP_TO_BORDER);
+        constexpr float kNothing[4] = {0.0f, 0.0f, 0.0f, 0.0f};
+        glSamplerParameterfv(id, GL_TEXTURE_BORDER_COLOR, kNothing);
+        return gl::Sampler(id);
+    }
+
+    static constexpr GLuint kComparedUnit = 1;  // shaders/pcf.glsl
+
     DepthPass depth_;
-    gl::Program program_;
+    gl::Program point_, kernelProgram_;
+    gl::Buffer tapBuffer_;
+    int tapCount_ = 0;
+    gl::Sampler comparing_;
 };
 
 const Register<Pcf> entry{"pcf", "Percentage-closer filtering", "Reeves, Salesin, Cook 1987"};

@@ -16,6 +16,11 @@ void include(SideBounds& b, const glm::dvec3& l) {
     b.receiverFarM = std::max(b.receiverFarM, l.z);
 }
 
+void merge(TangentBounds& a, const TangentBounds& b) {
+    a.lo = glm::min(a.lo, b.lo);
+    a.hi = glm::max(a.hi, b.hi);
+}
+
 void merge(SideBounds& a, const SideBounds& b) {
     a.tangentLo = glm::min(a.tangentLo, b.tangentLo);
     a.tangentHi = glm::max(a.tangentHi, b.tangentHi);
@@ -27,6 +32,8 @@ void merge(SideBounds& a, const SideBounds& b) {
 LightBounds merged(LightBounds a, const LightBounds& b) {
     merge(a.whole, b.whole);
     for (std::size_t i = 0; i < a.sides.size(); ++i) merge(a.sides[i], b.sides[i]);
+    for (std::size_t i = 0; i < a.fromCorners.size(); ++i)
+        merge(a.fromCorners[i], b.fromCorners[i]);
     return a;
 }
 
@@ -75,6 +82,10 @@ LightBounds boundLight(const AreaLight& light, const GBuffer& gbuffer, const Geo
                 const glm::dvec3 l = inAxes(axes[0], p);
                 if (l.z <= 0.0) continue;
                 include(b.whole, l);
+                const glm::dvec2 across(l), corner(light.halfU, light.halfV);
+                const glm::dvec2 low = (across + corner) / l.z, high = (across - corner) / l.z;
+                merge(b.fromCorners[0], {low, low});
+                merge(b.fromCorners[1], {high, high});
                 const std::size_t side = dominantSide(l);
                 include(b.sides[side], inAxes(axes[side], p));
             }

@@ -19,11 +19,21 @@ struct SideBounds {
     bool operator==(const SideBounds&) const = default;
 };
 
+/// Receivers in tangent coordinates of the light normal's frame, as seen from one point of the
+/// light.
+struct TangentBounds {
+    glm::dvec2 lo{1e300}, hi{-1e300};
+    bool operator==(const TangentBounds&) const = default;
+};
+
 /// The receivers that the camera sees (scored and horizon pixels) and the casters as seen from the
 /// light's centre, measured once per frame and shared by every method that fits a light view.
 struct LightBounds {
     SideBounds whole;                 ///< all receivers in the frame of the light's normal
     std::array<SideBounds, 5> sides;  ///< split by dominant axis: front, +u, -u, +v, -v
+    /// `whole`'s tangents as seen from the corners -u -v and +u +v of the light instead of its
+    /// centre.
+    std::array<TangentBounds, 2> fromCorners;
     bool operator==(const LightBounds&) const = default;
 };
 

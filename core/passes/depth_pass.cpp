@@ -16,11 +16,16 @@ DepthPass::DepthPass(bool alphaMask)
 }
 
 void DepthPass::render(const Frame& frame, const LightView& view, int size) {
+    render(frame, std::span(&view, 1), size);
+}
+
+void DepthPass::render(const Frame& frame, std::span<const LightView> views, int size) {
     const gl::DebugGroup group("depth pass");
-    view_ = view;
-    const int layers = static_cast<int>(view.tiles.size());
-    if (map_.width() != size || map_.layers() != layers)
+    const std::size_t tiles = views[0].tiles.size();
+    const int layers = static_cast<int>(views.size() * tiles);
+    if (map_.width() != size || map_.layers() < layers || view_.tiles.size() != tiles)
         map_ = gl::Texture::createArray(GL_DEPTH_COMPONENT32F, size, size, layers);
+    view_ = views[0];
 
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_GREATER);
@@ -37,7 +42,8 @@ void DepthPass::render(const Frame& frame, const LightView& view, int size) {
         glNamedFramebufferTextureLayer(framebuffer_.id(), GL_DEPTH_ATTACHMENT, map_.id(), 0, layer);
         constexpr float kNothing = 0.0f;
         glClearNamedFramebufferfv(framebuffer_.id(), GL_DEPTH, 0, &kNothing);
-        program_.set("clipFromWorld", view.clipFromWorld(static_cast<std::size_t>(layer)));
+        const auto index = static_cast<std::size_t>(layer);
+        program_.set("clipFromWorld", views[index / tiles].clipFromWorld(index % tiles));
         frame.gpuGeometry.draw(program_.id(), alphaMask_);
     }
     glDisable(GL_DEPTH_CLAMP);
@@ -46,11 +52,19 @@ void DepthPass::render(const Frame& frame, const LightView& view, int size) {
 
 void DepthPass::bind(const gl::Program& program, GLuint unit) const {
     map_.bind(unit);
-    program.set("lightCentre", glm::vec3(view_.centre));
-    program.set("tileCount", static_cast<int>(view_.tiles.size()));
-    program.set("mapSize", map_.width());
-    for (std::size_t i = 0; i < view_.tiles.size(); ++i) {
-        const LightTile& tile = view_.tiles[i];
+    setLightView(program, view_, map_.width());
+}
+
+double DepthPass::texels() const {
+    return static_cast<double>(map_.width()) * map_.height() * map_.layers();
+}
+
+void setLightView(const gl::Program& program, const LightView& view, int size) {
+    program.set("lightCentre", glm::vec3(view.centre));
+    program.set("tileCount", static_cast<int>(view.tiles.size()));
+    program.set("mapSize", size);
+    for (std::size_t i = 0; i < view.tiles.size(); ++i) {
+        const LightTile& tile = view.tiles[i];
         const std::string index = "[" + std::to_string(i) + "]";
         program.set(("tileAxes" + index).c_str(),
                     glm::mat3(glm::transpose(glm::dmat3(tile.axisX, tile.axisY, tile.axisZ))));
@@ -58,10 +72,6 @@ void DepthPass::bind(const gl::Program& program, GLuint unit) const {
                     glm::vec4(tile.tangentLo, 1.0 / tile.tangentSize()));
         program.set(("tileNear" + index).c_str(), static_cast<float>(tile.nearM));
     }
-}
-
-double DepthPass::texels() const {
-    return static_cast<double>(map_.width()) * map_.height() * map_.layers();
 }
 
 }  // namespace penumbra

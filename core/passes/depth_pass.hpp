@@ -1,5 +1,7 @@
 #pragma once
 
+#include <span>
+
 #include "core/frame/light_view.hpp"
 #include "core/gl/handles.hpp"
 #include "core/gl/program.hpp"
@@ -16,6 +18,9 @@ class DepthPass {
 
     /// Renders all casters into `size` x `size` texels per tile. Sets all GL state it needs.
     void render(const Frame& frame, const LightView& view, int size);
+    /// Several views of equally many tiles: tile t of view i into layer i * tiles + t. view() and
+    /// bind are the first one's. Layers that a greater number of views left behind are kept.
+    void render(const Frame& frame, std::span<const LightView> views, int size);
 
     const gl::Texture& map() const { return map_; }
     const LightView& view() const { return view_; }
@@ -31,5 +36,9 @@ class DepthPass {
     LightView view_;
     bool alphaMask_ = false;
 };
+
+/// Sets the uniforms of shaders/common/light_view.glsl on `program` (in use) for maps of `size`
+/// texels across.
+void setLightView(const gl::Program& program, const LightView& view, int size);
 
 }  // namespace penumbra

@@ -1,5 +1,6 @@
 #include "core/sampling/sampling.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace penumbra {
@@ -35,6 +36,24 @@ glm::vec2 vogelDisc(int index, int count, float phaseRad) {
     const float radius = std::sqrt((static_cast<float>(index) + 0.5f) / static_cast<float>(count));
     const float angle = static_cast<float>(index) * kGoldenAngleRad + phaseRad;
     return radius * glm::vec2(std::cos(angle), std::sin(angle));
+}
+
+std::vector<glm::vec2> poissonDisc(int count) {
+    const float apart = poissonDiscDistance(count);
+    std::vector<glm::vec2> points;
+    for (std::uint32_t dart = 0; points.size() < static_cast<std::size_t>(count); ++dart) {
+        const glm::vec2 p =
+            2.0f * glm::vec2(toUnitFloat(hash(dart, 0u)), toUnitFloat(hash(dart, 1u))) - 1.0f;
+        if (glm::dot(p, p) > 1.0f) continue;
+        if (std::ranges::all_of(points,
+                                [&](const glm::vec2& q) { return glm::distance(p, q) >= apart; }))
+            points.push_back(p);
+    }
+    return points;
+}
+
+float poissonDiscDistance(int count) {
+    return 1.2f / std::sqrt(static_cast<float>(count));
 }
 
 }  // namespace penumbra

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <vector>
 
 /// Sample points and hashes. All randomness of the project comes from here as a pure function of
 /// its arguments, so that no result depends on thread count or order.
@@ -57,5 +58,13 @@ SobolPoint owenSobol(std::uint32_t index, std::uint32_t seed);
 /// Point `index` of `count` on the unit disc by Vogel's spiral, turned by `phaseRad`: evenly dense
 /// for any count.
 glm::vec2 vogelDisc(int index, int count, float phaseRad);
+
+/// `count` points (1 to 1024) on the unit disc, no two nearer than poissonDiscDistance(count), else
+/// at random; the same ones every time.
+std::vector<glm::vec2> poissonDisc(int count);
+
+/// 1.2 / sqrt(count): 0.63 of what the densest packing has, which darts reach in a few throws per
+/// point (random sequential packing ends at 0.78).
+float poissonDiscDistance(int count);
 
 }  // namespace penumbra

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <vector>
@@ -104,6 +105,32 @@ TEST(Sampling, VogelDiscIsEvenlyDense) {
     }
     EXPECT_EQ(inner, kCount / 2) << "half the points lie within half the area";
     EXPECT_LT(glm::length(centre), 2e-3f) << "a few points of 1/1000 each may be unbalanced";
+}
+
+TEST(Sampling, PoissonDiscPointsKeepTheirDistanceInsideTheDisc) {
+    for (const int count : {1, 2, 3, 4, 5, 7, 12, 25, 49, 121, 289, 1024}) {
+        const std::vector<glm::vec2> points = poissonDisc(count);
+        ASSERT_EQ(points.size(), static_cast<std::size_t>(count));
+        EXPECT_EQ(points, poissonDisc(count));
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            EXPECT_LE(glm::length(points[i]), 1.0f + 1e-6f);  // rounding
+            for (std::size_t j = 0; j < i; ++j)
+                ASSERT_GE(glm::distance(points[i], points[j]), poissonDiscDistance(count));
+        }
+    }
+}
+
+TEST(Sampling, PoissonDiscPointsFillTheDisc) {
+    // As many in each half and in the inner disc of half the area. A binomial's deviation for 1024
+    // points is 16; points that keep their distance stay well within three.
+    const std::vector<glm::vec2> points = poissonDisc(1024);
+    for (const glm::vec2& side : {glm::vec2(1, 0), glm::vec2(0, 1), glm::vec2(0.6f, -0.8f)})
+        EXPECT_NEAR(std::ranges::count_if(
+                        points, [&](const glm::vec2& p) { return glm::dot(p, side) > 0.0f; }),
+                    512, 48);
+    EXPECT_NEAR(
+        std::ranges::count_if(points, [](const glm::vec2& p) { return glm::dot(p, p) < 0.5f; }),
+        512, 48);
 }
 
 }  // namespace

@@ -1,0 +1,65 @@
+#include "core/passes/light_maps.hpp"
+
+#include <algorithm>
+
+namespace penumbra {
+namespace {
+
+/// LightSample of shaders/common/light_maps.glsl, std140.
+struct GpuSample {
+    glm::vec4 shift;
+    glm::vec4 offsetWeight;
+};
+
+}  // namespace
+
+LightMaps::LightMaps(bool alphaMask)
+    : depth_(alphaMask),
+      sampleBuffer_(
+          gl::Buffer::create(kMaxSamples * sizeof(GpuSample), nullptr, GL_DYNAMIC_STORAGE_BIT)) {}
+
+void LightMaps::fit(const Frame& frame, int size, bool wholeLight) {
+    views_ = TranslatedViews(frame, size, wholeLight);
+    size_ = size;
+}
+
+std::size_t LightMaps::capacity() const {
+    GLint mostLayers = 0;
+    glGetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &mostLayers);
+    const double layerMebibytes = 4.0 * size_ * size_ / (1024.0 * 1024.0);
+    const double layers = std::min(kMaxMebibytes / layerMebibytes, static_cast<double>(mostLayers));
+    const auto samples = static_cast<std::size_t>(layers) / views_.tileCount();
+    return std::clamp<std::size_t>(samples, 1, kMaxSamples);
+}
+
+void LightMaps::render(const Frame& frame, std::span<const LightSample> samples) {
+    const LightView centre = views_.from(glm::dvec2(0.0));
+    const LightTile& front = centre.tiles[0];
+    const glm::dvec2 texelsPerTangent = static_cast<double>(size_) / front.tangentSize();
+    std::vector<LightView> views;
+    std::vector<GpuSample> records;
+    weight_ = 0.0f;
+    for (const LightSample& sample : samples) {
+        const LightView& view = views.emplace_back(views_.from(sample.offsetM));
+        const glm::dvec2 frustumShift = front.tangentLo - view.tiles[0].tangentLo;
+        records.push_back({glm::vec4(glm::dvec4(frustumShift * texelsPerTangent,
+                                                -sample.offsetM * texelsPerTangent)),
+                           glm::vec4(glm::vec3(view.centre - centre.centre), sample.weight)});
+        weight_ += sample.weight;
+    }
+    count_ = static_cast<int>(samples.size());
+    glNamedBufferSubData(sampleBuffer_.id(), 0,
+                         static_cast<GLsizeiptr>(records.size() * sizeof(GpuSample)),
+                         records.data());
+    depth_.render(frame, views, size_);
+}
+
+void LightMaps::bind(const gl::Program& program) const {
+    depth_.map().bind(0);
+    setLightView(program, views_.from(glm::dvec2(0.0)), size_);
+    glBindBufferBase(GL_UNIFORM_BUFFER, 1, sampleBuffer_.id());
+    program.set("lightSampleCount", count_);
+    program.set("lightSampleWeight", weight_);
+}
+
+}  // namespace penumbra

@@ -1,0 +1,97 @@
+// Lookups in maps from several points of the light (core/passes/light_maps.hpp). Their image planes
+// are parallel, so a receiver's z, its s and its plane's slope but for one factor are the same in all
+// of them: a map costs one division and one fetch. LIGHT_MAPS_PCF: four comparisons, weighted as the
+// receiver lies between their texels.
+#include "common/light_view.glsl"
+
+#ifdef STAGE_FRAGMENT
+const int kMaxLightSamples = 256;
+struct LightSample {
+    vec4 shift;         // texels: a place in the centre's map moves by xy + zw / z
+    vec4 offsetWeight;  // the point's offset from the light's centre, metres; its weight
+};
+layout(std140, binding = 1) uniform LightSamples { LightSample lightSamples[kMaxLightSamples]; };
+uniform int lightSampleCount;
+uniform float lightSampleWeight;  // of all of them
+
+// A receiver as every point of the light sees it.
+struct Receiver {
+    vec2 texel;       // its place in the map of the light's centre, texels
+    float inverseZ;   // 1 / metres
+    float s;          // near / z
+    float biasScale;  // LightPoint's
+    vec2 slope;       // n.xy in tangents per texel: s rises by near * slope / k per texel ...
+    float k;          // ... with k = n.l, seen from the centre; negative where the plane faces it
+};
+
+Receiver receiverOf(LightPoint point, vec3 position, vec3 normal) {
+    vec3 n = tileAxes[0] * normal;
+    return Receiver(point.uv * float(mapSize), 1.0 / point.zM, point.s, point.biasScale,
+                    n.xy / (tileTangents[0].zw * float(mapSize)),
+                    dot(n, tileAxes[0] * (position - lightCentre)));
+}
+
+// Weights in steps of 1/32: with sample weights of 1, 2 and 4 the sum of a thousand maps is exact,
+// in any order.
+vec2 weightsBetween(vec2 fraction) { return floor(32.0 * fraction + 0.5) / 32.0; }
+
+// litAt of common/light_view.glsl in map i, the plane followed to every texel asked; 0 where the
+// map's point of the light is below the receiver's horizon, whose own surface is in the way. Views
+// hold every receiver with a margin of one texel, so that no texel asked lies outside.
+float litFrom(Receiver r, int i) {
+    vec4 shift = lightSamples[i].shift;
+    vec2 place = r.texel + (shift.xy + shift.zw * r.inverseZ);
+    float k = r.k + dot(r.slope, shift.zw);
+    float steepness = tileNear[0] / k;
+#ifdef LIGHT_MAPS_PCF
+    vec2 first = floor(place - 0.5), weight = weightsBetween(place - 0.5 - first);
+    vec4 caster = textureGather(shadowMap, vec3((first + 1.0) / float(mapSize), i));
+    vec2 rises = steepness * r.slope;
+    float riseToFirst = dot(rises, first + 0.5 - place);
+    vec4 rise = riseToFirst + vec4(rises.y, rises.x + rises.y, rises.x, 0.0);
+    vec4 lit = vec4(lessThanEqual(caster, (r.s + max(rise, 0.0)) * r.biasScale));
+    vec2 rows = mix(lit.wx, lit.zy, weight.x);
+    float v = mix(rows.x, rows.y, weight.y);
+#else
+    vec2 texel = floor(place);
+    float rise = steepness * dot(r.slope, texel + 0.5 - place);
+    float caster = texelFetch(shadowMap, ivec3(texel, i), 0).r;
+    float v = caster <= (r.s + max(rise, 0.0)) * r.biasScale ? 1.0 : 0.0;
+#endif
+    return k < 0.0 ? v : 0.0;
+}
+
+// The same where a map has five tiles and each point of the light its own choice among them.
+float litFromHalfCube(vec3 position, vec3 normal, int i) {
+    vec3 moved = position - lightSamples[i].offsetWeight.xyz;
+    if (dot(normal, moved - lightCentre) >= 0.0) return 0.0;
+    LightPoint point = lightPoint(moved, normal);
+    point.tile += i * tileCount;
+#ifdef LIGHT_MAPS_PCF
+    float texel = 1.0 / float(mapSize);
+    vec2 place = point.uv * float(mapSize) - 0.5, weight = weightsBetween(fract(place));
+    vec2 corner = (floor(place) + 0.5) * texel;
+    return mix(mix(litAt(point, corner), litAt(point, corner + vec2(texel, 0)), weight.x),
+               mix(litAt(point, corner + vec2(0, texel)), litAt(point, corner + texel), weight.x),
+               weight.y);
+#else
+    return litAt(point, point.uv);
+#endif
+}
+
+// Weighted sum over all samples of the receiver's hard visibilities.
+float litSum(vec3 position, vec3 normal) {
+    LightPoint centre = lightPoint(position, normal);
+    if (!centre.inFront) return lightSampleWeight;
+    float sum = 0.0;
+    if (tileCount > 1) {
+        for (int i = 0; i < lightSampleCount; ++i)
+            sum += lightSamples[i].offsetWeight.w * litFromHalfCube(position, normal, i);
+    } else {
+        Receiver receiver = receiverOf(centre, position, normal);
+        for (int i = 0; i < lightSampleCount; ++i)
+            sum += lightSamples[i].offsetWeight.w * litFrom(receiver, i);
+    }
+    return sum;
+}
+#endif
