@@ -5,13 +5,14 @@
 
 namespace penumbra {
 
-void Pilot::trace(LightProbe& probe, const std::vector<SobolPoint>& net, std::uint32_t seed) {
+void Pilot::trace(LightProbe& probe, const ReplicateTables& tables, std::uint32_t seed) {
     seed_ = seed;
     const Shift shift(seed);
     LightBatch batch;
     static_assert(kCoarseRays == LightBatch::kCapacity);
+    const SobolPoint* const points = tables.coarsePilot();
     for (int i = 0; i < kCoarseRays; ++i) {
-        const SobolPoint p = shift(net[i]);
+        const SobolPoint p = shift(points[i]);
         batch.s[i] = toUnitFloat(p.x);
         batch.t[i] = toUnitFloat(p.y);
     }
@@ -20,7 +21,7 @@ void Pilot::trace(LightProbe& probe, const std::vector<SobolPoint>& net, std::ui
     rays_ += kCoarseRays;
     BitGrid<kCoarseGrid> coarse;
     for (int i = 0; i < kCoarseRays; ++i) {
-        const Cell cell = cellOf(shift(net[i]));
+        const Cell cell = cellOf(shift(points[i]));
         if (batch.visible[i]) coarse.set({cell.x / 2, cell.y / 2});
     }
     const int litCount = coarse.count();
@@ -31,23 +32,23 @@ void Pilot::trace(LightProbe& probe, const std::vector<SobolPoint>& net, std::ui
     for (int y = 0; y < kGrid; ++y)
         for (int x = 0; x < kGrid; ++x)
             if (coarse[{x / 2, y / 2}]) lit_.set({x, y});
-    if (!Silhouette<kCoarseGrid>(coarse).resolved) refine(probe, net, refined_.complement());
+    if (!Silhouette<kCoarseGrid>(coarse).resolved) refine(probe, tables, refined_.complement());
     for (;;) {
         const BitGrid<kCoarseGrid> wanted =
             Silhouette<kGrid>(lit_).cells.coarser() & refined_.complement();
         if (wanted.count() == 0) break;
-        refine(probe, net, wanted);
+        refine(probe, tables, wanted);
     }
     findSilhouette();
 }
 
-void Pilot::complete(LightProbe& probe, const std::vector<SobolPoint>& net) {
-    refine(probe, net, refined_.complement());
+void Pilot::complete(LightProbe& probe, const ReplicateTables& tables) {
+    refine(probe, tables, refined_.complement());
     findSilhouette();
     completed_ = true;
 }
 
-void Pilot::refine(LightProbe& probe, const std::vector<SobolPoint>& net,
+void Pilot::refine(LightProbe& probe, const ReplicateTables& tables,
                    const BitGrid<kCoarseGrid>& wanted) {
     const Shift shift(seed_);
     LightBatch batch;
@@ -58,15 +59,20 @@ void Pilot::refine(LightProbe& probe, const std::vector<SobolPoint>& net,
         for (std::size_t i = 0; i < batch.size; ++i) lit_.assign(cells[i], batch.visible[i] != 0);
         batch.size = 0;
     };
-    for (int i = kCoarseRays; i < kGrid * kGrid; ++i) {
-        const SobolPoint p = shift(net[i]);
-        const Cell cell = cellOf(p);
-        if (!wanted[{cell.x / 2, cell.y / 2}]) continue;
-        batch.s[batch.size] = toUnitFloat(p.x);
-        batch.t[batch.size] = toUnitFloat(p.y);
-        cells[batch.size] = cell;
-        if (++batch.size == LightBatch::kCapacity) flush();
-    }
+    for (int y = 0; y < kCoarseGrid; ++y)
+        for (std::uint32_t left = wanted.row[y]; left != 0; left &= left - 1) {
+            // A digital shift moves whole cells.
+            const int x = std::countr_zero(left);
+            const SobolPoint* const points = tables.finePilot(x ^ static_cast<int>(shift.x >> 28),
+                                                              y ^ static_cast<int>(shift.y >> 28));
+            for (int i = 0; i < 3; ++i) {
+                const SobolPoint p = shift(points[i]);
+                batch.s[batch.size] = toUnitFloat(p.x);
+                batch.t[batch.size] = toUnitFloat(p.y);
+                cells[batch.size] = cellOf(p);
+                if (++batch.size == LightBatch::kCapacity) flush();
+            }
+        }
     if (batch.size > 0) flush();
     refined_ = refined_ | wanted;
 }

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
 #include "harness/reference/light_probe.hpp"
 #include "harness/reference/replicate_tables.hpp"
@@ -27,9 +26,9 @@ class Pilot {
 
     /// Traces the coarse grid and, unless its rays all agree, the finer one along the silhouettes
     /// as far as they lead; everywhere if they are not resolved.
-    void trace(LightProbe& probe, const std::vector<SobolPoint>& net, std::uint32_t seed);
+    void trace(LightProbe& probe, const ReplicateTables& tables, std::uint32_t seed);
     /// Traces what is left of the finer grid.
-    void complete(LightProbe& probe, const std::vector<SobolPoint>& net);
+    void complete(LightProbe& probe, const ReplicateTables& tables);
     /// Takes the surroundings of cells where fresh rays see something else for silhouettes too.
     void refute(const BitGrid<kGrid>& cells);
 
@@ -60,7 +59,7 @@ class Pilot {
     static constexpr int kUnresolvedRings = 3;
     static constexpr int kParallaxRings = 3;
 
-    void refine(LightProbe& probe, const std::vector<SobolPoint>& net,
+    void refine(LightProbe& probe, const ReplicateTables& tables,
                 const BitGrid<kCoarseGrid>& wanted);
     void findSilhouette();
 

@@ -141,12 +141,12 @@ PixelEstimate PixelEstimator::adaptive(LightProbe& probe, std::uint32_t seed) co
 
 Pilot PixelEstimator::look(LightProbe& probe, std::uint32_t seed) const {
     Pilot pilot;
-    pilot.trace(probe, tables_.pilot(), hash(seed, kPilotSalt));
+    pilot.trace(probe, tables_, hash(seed, kPilotSalt));
     return pilot;
 }
 
 void PixelEstimator::lookCloser(LightProbe& probe, Pilot& pilot) const {
-    pilot.complete(probe, tables_.pilot());
+    pilot.complete(probe, tables_);
 }
 
 PixelEstimate PixelEstimator::finish(LightProbe& probe, std::uint32_t seed, Pilot& pilot) const {

@@ -239,19 +239,22 @@ Reference traceReference(const Tracer& tracer, const GBuffer& gbuffer, const Are
         return out;
     }
 
-    // What one pixel's pilot misses, a twig or a gap between leaves, a neighbour's sees.
+    std::vector<std::uint32_t> place(gbuffer.size(), ~0u);  // in `pixels`
+    for (std::uint32_t k = 0; k < pixels.size(); ++k) place[pixels[k]] = k;
+    // Whether a neighbour in the chunk sees what this pilot missed: a twig, a gap between leaves.
     const auto doubted = [&](std::span<const std::uint32_t> chunk, const std::vector<Pilot>& pilots,
                              std::size_t k) {
         if (pilots[k].constant()) return false;
-        const int x = static_cast<int>(chunk[k]) % out.width;
-        const int y = static_cast<int>(chunk[k]) / out.width;
-        for (std::size_t j = 0; j < chunk.size(); ++j) {
-            const int dx = static_cast<int>(chunk[j]) % out.width - x;
-            const int dy = static_cast<int>(chunk[j]) / out.width - y;
-            if (std::max(std::abs(dx), std::abs(dy)) == 1 && !pilots[j].constant() &&
-                pilots[k].sureOfOtherThan(pilots[j]))
-                return true;
-        }
+        const std::uint32_t first = place[chunk[0]];
+        const int x0 = static_cast<int>(chunk[k]) % out.width;
+        const int y0 = static_cast<int>(chunk[k]) / out.width;
+        for (int y = std::max(0, y0 - 1); y <= std::min(out.height - 1, y0 + 1); ++y)
+            for (int x = std::max(0, x0 - 1); x <= std::min(out.width - 1, x0 + 1); ++x) {
+                const std::uint32_t j = place[y * out.width + x] - first;  // huge if before it
+                if (j < chunk.size() && !pilots[j].constant() &&
+                    pilots[k].sureOfOtherThan(pilots[j]))
+                    return true;
+            }
         return false;
     };
     std::vector<std::uint8_t> constant(gbuffer.size(), 0), guarded(gbuffer.size(), 0);

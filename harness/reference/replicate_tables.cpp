@@ -1,6 +1,7 @@
 #include "harness/reference/replicate_tables.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace penumbra {
 
@@ -38,7 +39,11 @@ ReplicateTables::ReplicateTables(int points) {
     }
     for (int i = 0; i < kGrid * kGrid; ++i) pilot_.push_back(owenSobol(i, 0x51ed27u));
     std::sort(pilot_.begin(), pilot_.begin() + kCoarseGrid * kCoarseGrid, mortonLess);
-    std::sort(pilot_.begin() + kCoarseGrid * kCoarseGrid, pilot_.end(), mortonLess);
+    static_assert(kCoarseGrid == 16);
+    std::sort(pilot_.begin() + kCoarseGrid * kCoarseGrid, pilot_.end(),
+              [](const SobolPoint& a, const SobolPoint& b) {
+                  return std::pair(a.y >> 28, a.x >> 28) < std::pair(b.y >> 28, b.x >> 28);
+              });
 }
 
 int ReplicateTables::roundUp(double n) {

@@ -13,8 +13,7 @@ namespace penumbra {
 class ReplicateTables {
   public:
     static constexpr int kReplicates = 16;
-    /// Of the pilot's cells, coarse first: its first 16 x 16 points are one in each of 16 x 16
-    /// cells.
+    /// Of the pilot's net: one point in each of 32 x 32 cells.
     static constexpr int kCoarseGrid = 16, kGrid = 32;
 
     explicit ReplicateTables(int points);
@@ -22,7 +21,12 @@ class ReplicateTables {
     /// Morton order over the light, or by x for sampling along a list.
     const SobolPoint* overLight(int r) const { return overLight_[r].data(); }
     const SobolPoint* alongList(int r) const { return alongList_[r].data(); }
-    const std::vector<SobolPoint>& pilot() const { return pilot_; }
+    /// The net's first 16 x 16 points, one in each of 16 x 16 cells, in Morton order.
+    const SobolPoint* coarsePilot() const { return pilot_.data(); }
+    /// The other three in one of these cells.
+    const SobolPoint* finePilot(int x, int y) const {
+        return pilot_.data() + kCoarseGrid * kCoarseGrid + 3 * (y * kCoarseGrid + x);
+    }
     int size() const { return static_cast<int>(overLight_[0].size()); }
 
     /// Lengths in use: 2^k and 3 * 2^(k-1).
