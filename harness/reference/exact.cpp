@@ -51,17 +51,25 @@ struct Receiver {
     glm::dvec3 origin;  ///< of its shadow rays, in light space
 };
 
+/// The greatest coordinate of any vertex.
+double reachOf(const Geometry& geometry) {
+    const Bounds bounds = boundsOf(geometry.positions);
+    if (bounds.empty()) return 0.0;
+    const glm::dvec3 far = glm::max(glm::abs(bounds.lo), glm::abs(bounds.hi));
+    return std::max({far.x, far.y, far.z});
+}
+
 class ExactTracer {
   public:
     ExactTracer(const Tracer& tracer, const GBuffer& gbuffer, const AreaLight& light,
                 const ExactOptions& options, Reference& out, std::vector<char>& tooMany)
-        : tracer_(tracer),
-          gbuffer_(gbuffer),
+        : gbuffer_(gbuffer),
           space_(light),
           halfLight_(std::max(light.halfU, kNarrow * light.halfV),
                      std::max(light.halfV, kNarrow * light.halfU)),
           isPoint_(light.isPoint()),
           options_(options),
+          reach_(reachOf(tracer.geometry())),
           mesh_(tracer.geometry(), light),
           tree_(mesh_.vertices, mesh_.triangles),
           out_(out),
@@ -94,13 +102,20 @@ class ExactTracer {
             for (int x = rect.x0; x < rect.x1; ++x) {
                 const std::size_t i = static_cast<std::size_t>(y) * gbuffer_.width + x;
                 if (!isAsked(gbuffer_.mask[i])) continue;
-                const glm::vec3 origin =
-                    tracer_.shadowOrigin(gbuffer_.position[i], gbuffer_.geometricNormal[i]);
-                const Receiver receiver{i, space_.point(glm::dvec3(origin))};
+                const Receiver receiver{i, space_.point(lifted(i))};
                 // On the light's plane nothing is in between.
                 if (receiver.origin.z > 0.0) receivers.push_back(receiver);
             }
         return receivers;
+    }
+
+    /// Off the surface by four times what rounding to float may have sunk the pixel's point below
+    /// it, and by a trifle where that is nothing, as on a floor through the origin.
+    glm::dvec3 lifted(std::size_t pixel) const {
+        const glm::dvec3 position(gbuffer_.position[pixel]);
+        const glm::dvec3 normal(gbuffer_.geometricNormal[pixel]);
+        const double rounding = glm::dot(glm::abs(normal), glm::abs(position));
+        return position + (0x1p-22 * rounding + 0x1p-26 * reach_) * normal;
     }
 
     static Bounds boundsOf(const std::vector<Receiver>& receivers) {
@@ -203,12 +218,12 @@ class ExactTracer {
                 set(receiver.pixel, 0.0, 0.0);
     }
 
-    const Tracer& tracer_;
     const GBuffer& gbuffer_;
     LightSpace space_;
     glm::dvec2 halfLight_;
     bool isPoint_;
     const ExactOptions& options_;
+    double reach_;
     CasterMesh mesh_;
     ShaftTree tree_;
     Reference& out_;

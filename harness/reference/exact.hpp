@@ -33,12 +33,13 @@ void refuseMasked(const Geometry& geometry, const std::vector<Material>& materia
 /// projected onto the light, and the area of the union of all of them is what the point does not
 /// see. The coupled irradiance is Lambert's integral over the same polygons.
 ///
-/// Answers for the points and triangles that traceReference answers for: from
-/// Tracer::shadowOrigin, the last 1e-4 of the way to the light left out. Errors are those of double
-/// (about 1e-12 of the light); `standardError` and `rays` are 0 but for the traced pixels. A light
-/// of no width takes the limit of a narrow one; a point light is seen or not. Parallel; the result
-/// does not depend on the number of threads or the order of triangles.
-/// Throws InputError if a triangle's material is alpha-masked.
+/// Answers for the points and triangles that traceReference answers for, the last 1e-4 of the way
+/// to the light left out. The point is lifted off its surface just clear of the rounding of its own
+/// coordinates (rays need some three times as much); else errors are those of double, about 1e-12
+/// of the light. `standardError` and `rays` are 0 but for the traced pixels. A light of no width
+/// takes the limit of a narrow one; a point light is seen or not. Parallel; the result does not
+/// depend on the number of threads or the order of triangles. Throws InputError if a triangle's
+/// material is alpha-masked.
 Reference exactReference(const Tracer& tracer, const std::vector<Material>& materials,
                          const GBuffer& gbuffer, const AreaLight& light,
                          const ExactOptions& options = {}, const Progress& progress = {},

@@ -18,7 +18,7 @@ namespace penumbra {
 namespace {
 
 /// Raise it with any change that alters what traceReference returns.
-constexpr std::uint32_t kAlgorithmVersion = 3;
+constexpr std::uint32_t kAlgorithmVersion = 4;
 
 struct Channel {
     const char* name;

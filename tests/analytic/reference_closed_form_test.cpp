@@ -20,9 +20,9 @@ using Truth = std::function<double(const glm::dvec3&)>;
 
 constexpr int kSize = 128;
 constexpr double kTarget = ReferenceOptions{}.targetStandardError;
-/// Twice what the lifting of the points off their surface (2e-6 of the scene) and the rounding of
-/// vertices to float move these edges on the light.
-constexpr double kRounding = 1e-5;
+/// Points, vertices and results are floats: 6e-8 of coordinates of some metres, magnified some
+/// times onto the light.
+constexpr double kRounding = 2e-6;
 
 /// Exact visibility within kRounding of the closed form, and the traced reference as
 /// Certificate demands. `meshError`: by how much the mesh itself is off the form.

@@ -134,7 +134,7 @@ TEST(Trace, ContactShadowReachesTheFoot) {
 }
 
 TEST(Trace, LowSlabShadowsDownToAFewOffsets) {
-    // A plate 1e-5 of the scene above the floor: five times the offset of 2e-6.
+    // A plate 1e-5 of the scene above the floor: 14 times the offset of 7e-7.
     test::Shape shape;
     shape.rectangle({-1, -1}, {1, 1}, 0.0);
     shape.rectangle({-0.5, -0.5}, {0.5, 0.5}, 1e-5);
