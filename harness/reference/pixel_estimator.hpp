@@ -21,8 +21,8 @@ struct PixelEstimate {
 /// decides where rays go, and its own rays are not part of the estimate, which so stays unbiased.
 ///
 /// 1. Pilot: 256 rays, one per cell of a 16 x 16 grid on the light. All agree: done. Otherwise up
-///    to 768 more refine the grid to 32 x 32 along the silhouettes it sees; everywhere in a pixel
-///    among whose neighbours (pixels that are traced together) one sees more than an edge or two.
+///    to 768 more refine the grid to 32 x 32 along the silhouettes it sees; everywhere if a
+///    neighbouring pixel's pilot sees another thing where this one is sure.
 /// 2. Where silhouettes are few: cells with like neighbours only are taken at the pilot's
 ///    word, which a sparse set of fresh rays must confirm, and the replicates sample nothing but
 ///    the cells along the silhouettes.

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <tbb/global_control.h>
+#include <tbb/parallel_for_each.h>
 
 #include <chrono>
 #include <cstdlib>
@@ -323,16 +324,20 @@ void Run::runFrame(const Scene& scene, const Frame& frame, bool keepMaps, const 
     });
     if (pending.separation)
         finished.emplace_back(separationRow(frame), separationImage(reference, frame.gbuffer));
-    const Scorer scorer =
-        clock_.measure("metrics", [&] { return Scorer(reference, frame.gbuffer, scene.edges); });
+    clock_.measure("metrics", [&] {
+        const Scorer scorer(reference, frame.gbuffer, scene.edges);
+        tbb::parallel_for_each(finished, [&](auto& cell) {
+            auto& [row, visibility] = cell;
+            if (row.status == "ok") row.metrics = scorer.score(visibility);
+            // The separation's image has the reference's noise in it: errors of the two cancel.
+            if (isSeparation(row)) row.metrics.rmseCorrected.reset();
+        });
+    });
     for (auto& [row, visibility] : finished) {
         row.renderer = provenance_.renderer;
         row.threads = provenance_.threads;
         row.commit = provenance_.commit;
         if (row.status == "ok") {
-            row.metrics = clock_.measure("metrics", [&] { return scorer.score(visibility); });
-            // The separation's image has the reference's noise in it: errors of the two cancel.
-            if (isSeparation(row)) row.metrics.rmseCorrected.reset();
             clock_.measure("images", [&] {
                 folder_.writeVisibility(scene.id, frame.index, row.setting, visibility, reference);
             });
