@@ -1,0 +1,38 @@
+#include "harness/bench/stage.hpp"
+
+namespace penumbra::bench {
+
+void needContext() {
+    static const auto kContext = gl::Context::create(gl::ContextKind::automatic);
+}
+
+Stage::Stage(const std::string& id, int pixels)
+    : scene(loadScene(id, SceneLibrary::standard())),
+      moment(scene->frame(0)),
+      tracer(moment.geometry, scene->materials, scene->images),
+      gbuffer(renderGBuffer(tracer, moment, *scene, pixels, pixels)),
+      textures(uploadGBuffer(gbuffer)),
+      materials(scene->materials, scene->images),
+      geometry(moment.geometry, materials),
+      frame{*scene,
+            0,
+            moment.light,
+            boundLight(moment.light, gbuffer, *moment.geometry),
+            moment.camera,
+            moment.geometry,
+            tracer,
+            gbuffer,
+            textures,
+            geometry,
+            1},
+      calledFor(effectsCalledFor(*scene, moment)) {}
+
+Stage::Act Stage::act(const std::string& methodId, const Assignments& settings) const {
+    Act act{findMethod(methodId).make(), {}};
+    for (const auto& [parameter, value] : settings) act.method->set(methodId, parameter, value);
+    act.plan = planFor({}, calledFor, act.method->traits().simulates);
+    act.method->prepare(*scene, act.plan);
+    return act;
+}
+
+}  // namespace penumbra::bench

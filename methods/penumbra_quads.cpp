@@ -1,0 +1,401 @@
+// Penumbra quads: every silhouette edge seen from the light's centre grows two quads in light
+// space, one away from its caster and one over it, which carry visibility from 1/2 at the edge to 1
+// and to 0 into an outer and an inner penumbra map (Arvo, Westerholm 2004; METHODS.md 14).
+// Receivers in the first shadow map read the outer map, those in the second, peeled from the front
+// faces behind the first, the inner one, and all others are dark (section 4.4). Edges are found and
+// stretched in the vertex shader; the CPU only follows moving casters
+// (core/scene/edge_adjacency.hpp).
+//
+// Right for one straight edge over one receiver: there, `stretch=texel` and `profile=exact` give
+// the rectangular light's very visibility, while the paper's far plane widens penumbrae on
+// receivers before it by (1/zA - 1/zf) / (1/zA - 1/zr). Where penumbrae overlap, minimum (outer)
+// and maximum (inner) stand in for the union of casters, in any order of drawing; the paper's
+// hardware kept what was drawn last (overlap=draw_order).
+//
+// Wrong by design: the third surface from the light is dark even in a penumbra (layers, fig. 7).
+// Each edge's quad knows nothing of the caster's other edge: one narrower than its penumbra keeps a
+// dark core of at least one half, so that wires are worse than in a hard map (antennas), and an
+// inner quad that reaches past a narrow part lights what another part shadows (teapot).
+// Silhouettes are those of the light's centre. Casters cut out by alpha have no edges, and
+// receivers beyond 70 degrees no single light view: both are refused. Meshes that are not closed
+// two-manifolds are drawn as EdgeAdjacency says, their defects counted in the row's message.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+
+#include "core/error.hpp"
+#include "core/gl/program.hpp"
+#include "core/passes/depth_pass.hpp"
+#include "core/scene/edge_adjacency.hpp"
+#include "methods/shadow_method.hpp"
+
+namespace penumbra {
+namespace {
+
+/// Edge of shaders/penumbra_quads.glsl.
+struct GpuEdge {
+    glm::vec4 a, b, stretchA, stretchB, planes[2];
+};
+
+class PenumbraQuads : public ShadowMethod {
+    IntParameter mapSize_{this,
+                          "map_size",
+                          1024,
+                          16,
+                          16384,
+                          "texels",
+                          "side of the shadow maps and the penumbra maps"};
+    ChoiceParameter stretch_{
+        this,
+        "stretch",
+        {"texel", "vertex", "far_plane"},
+        "penumbrae as wide as the receiver in each texel makes them, as the one beside each "
+        "silhouette vertex does, or as one in the farthest receiver's depth would (the paper)"};
+    ChoiceParameter corners_{
+        this,
+        "corners",
+        {"filled", "averaged"},
+        "edges move by the light's farthest point across them and corners between are filled, or "
+        "vertices move along their averaged normals alone, narrower at corners (the paper)"};
+    ChoiceParameter profile_{this,
+                             "profile",
+                             {"exact", "linear"},
+                             "visibility across the penumbra: a rectangular light's beyond a "
+                             "straight edge, or a linear ramp (the paper)"};
+    ChoiceParameter overlap_{this,
+                             "overlap",
+                             {"min_max", "draw_order"},
+                             "where quads overlap: the least outer and the greatest inner "
+                             "visibility, or the quad drawn last (the paper)"};
+    ChoiceParameter inner_{
+        this,
+        "inner",
+        {"seen", "pieces", "all"},
+        "inner quads only where the light's centre, just past their edge, sees about as deep as "
+        "where they fall; only over their own piece of a caster cut apart in its hollows (the "
+        "paper's identities); or everywhere (the paper)"};
+    BoolParameter weld_{this, "weld", true,
+                        "weld vertices, drop back-to-back triangles, split T-junctions; off, the "
+                        "mesh is taken as it is and its seams cast false penumbrae"};
+    FloatParameter bias_{this,
+                         "bias",
+                         0.5,
+                         0.0,
+                         64.0,
+                         "texels",
+                         "how far towards the light a receiver is moved before the comparison, in "
+                         "texel footprints at its depth"};
+
+  public:
+    Traits traits() const override {
+        return {{Effect::penumbra, Effect::self_shadow, Effect::thin_casters,
+                 Effect::layered_casters, Effect::moving_light, Effect::moving_casters,
+                 Effect::moving_camera}};
+    }
+
+    std::vector<Assignments> ladder() const override {
+        return {{{"map_size", "256"}, {"stretch", "far_plane"}, {"corners", "averaged"}},
+                {{"map_size", "256"}},
+                {{"map_size", "512"}},
+                {{"map_size", "1024"}},
+                {{"map_size", "2048"}}};
+    }
+
+    void prepare(const Scene& scene, const Plan& plan) override {
+        if (plan.missing.has(Effect::alpha_mask) &&
+            std::ranges::any_of(scene.materials, &Material::masked))
+            throw Unsupported(
+                "casters are cut out by their textures' alpha: such outlines have no edges to grow "
+                "quads from");
+        depth_ = DepthPass(false);
+        hard_ = gl::Program::graphics("hard.glsl");
+        if (!plan.has(Effect::penumbra)) return;
+        second_ = gl::Program::graphics("penumbra_quads.glsl", {"PASS_SECOND"});
+        piece_ = gl::Program::graphics("penumbra_quads.glsl", {"PASS_PIECES"});
+        soft_ = gl::Program::graphics("penumbra_quads.glsl", {"PASS_SHADE"});
+        std::vector<std::string> defines = {"PASS_QUADS"};
+        if (stretch_.is("texel")) defines.emplace_back("RECEIVER_TEXEL");
+        if (stretch_.is("vertex")) defines.emplace_back("RECEIVER_VERTEX");
+        if (corners_.is("averaged")) defines.emplace_back("STRETCH_AVERAGED");
+        if (profile_.is("linear")) defines.emplace_back("PROFILE_LINEAR");
+        if (inner_.is("seen")) defines.emplace_back("INNER_SEEN");
+        if (inner_.is("pieces")) defines.emplace_back("INNER_PIECES");
+        quads_ = gl::Program::graphics("penumbra_quads.glsl", defines);
+        defines[0] = "PASS_EDGES";
+        if (overlap_.is("draw_order")) defines.emplace_back("ORDERED");
+        silhouette_ = gl::Program::compute("penumbra_quads.glsl", defines);
+        draw_ = gl::Buffer::create(4 * sizeof(GLuint), nullptr, GL_DYNAMIC_STORAGE_BIT);
+        GLuint id = 0;
+        glCreateFramebuffers(1, &id);
+        framebuffer_ = gl::Framebuffer(id);
+        glCreateVertexArrays(1, &id);
+        faceArray_ = gl::VertexArray(id);
+        glCreateVertexArrays(1, &id);
+        quadArray_ = gl::VertexArray(id);
+        geometry_.reset();
+        adjacency_ = {};
+        useGeometry(scene.frame(0).geometry);
+    }
+
+    void build(const Frame& frame, const Plan& plan) override {
+        const LightView view = LightView::fit(frame, glm::dvec2(0.0), mapSize_);
+        soften_ = plan.has(Effect::penumbra) && !frame.light.isPoint();
+        if (soften_ && view.tiles.size() > 1)
+            throw Unsupported(
+                "receivers lie more than 70 degrees off the light's normal: one light view cannot "
+                "hold their penumbra quads");
+        depth_.render(frame, view, mapSize_);
+        if (!soften_) return;
+        useGeometry(frame.geometry);
+        fitFrame(frame);
+        renderSecond();
+        if (inner_.is("pieces")) renderPieces();
+        listSilhouettes(frame.light);
+        renderQuads(frame.light);
+    }
+
+    void shade(const Frame& frame, const Plan&, const VisibilityTarget& target) override {
+        const gl::DebugGroup group("penumbra quads: combine");
+        const gl::Program& program = soften_ ? soft_ : hard_;
+        program.use();
+        depth_.bind(program, 0);
+        program.set("biasTexels", static_cast<float>(bias_));
+        if (soften_) {
+            secondMap_.bind(1);
+            penumbraMap_.bind(2);
+            program.set("filterTexels", static_cast<float>(filterTexels_));
+        }
+        target.draw(program, frame.gbufferTextures);
+    }
+
+    WorkCounters counters() const override {
+        if (!soften_) return {depth_.map().layers(), depth_.texels(), depth_.map().mebibytes(), ""};
+        const std::string defects = adjacency_.defects().text();
+        return {
+            4, 4.0 * depth_.texels(),
+            depth_.map().mebibytes() + secondMap_.mebibytes() + penumbraMap_.mebibytes() +
+                pieceMap_.mebibytes() + pieceDepth_.mebibytes(),
+            defects.empty() ? "" : fmt::format("{} edges: {}", adjacency_.edgeCount(), defects)};
+    }
+
+  private:
+    static constexpr double kNearerTexels = 2.0;  ///< quads closer to a surface lie on it
+    static constexpr double kBehindTexels = 0.5;  ///< surfaces closer to the first are the first
+
+    /// Uploads the frame's edges and faces unless they are there.
+    void useGeometry(const std::shared_ptr<const Geometry>& geometry) {
+        if (geometry == geometry_) return;
+        geometry_ = geometry;
+        if (!adjacency_.describes(*geometry)) {
+            adjacency_ = EdgeAdjacency(*geometry, weld_);
+            uploadFaces();
+        }
+        positions_ = gl::Buffer::create(geometry->positions.size() * sizeof(glm::vec3),
+                                        geometry->positions.data());
+        glVertexArrayVertexBuffer(faceArray_.id(), 0, positions_.id(), 0, sizeof(glm::vec3));
+        glVertexArrayAttribFormat(faceArray_.id(), 0, 3, GL_FLOAT, GL_FALSE, 0);
+        glVertexArrayAttribBinding(faceArray_.id(), 0, 0);
+        glEnableVertexArrayAttrib(faceArray_.id(), 0);
+        uploadEdges();
+    }
+
+    /// Solids' faces first, then sheets'.
+    void uploadFaces() {
+        std::vector<std::uint32_t> indices, pieces;
+        for (const bool solid : {true, false}) {
+            for (const EdgeAdjacency::Face& face : adjacency_.faces())
+                if (face.solid == solid) {
+                    indices.insert(indices.end(), face.vertices.begin(), face.vertices.end());
+                    pieces.push_back(face.piece);
+                }
+            if (solid) solidFaces_ = static_cast<int>(pieces.size());
+        }
+        faceCount_ = static_cast<int>(pieces.size());
+        faceIndices_ = gl::Buffer::create(indices.size() * sizeof(std::uint32_t), indices.data());
+        facePieces_ = gl::Buffer::create(pieces.size() * sizeof(std::uint32_t), pieces.data());
+        glVertexArrayElementBuffer(faceArray_.id(), faceIndices_.id());
+    }
+
+    void uploadEdges() {
+        const std::vector<OutlineEdge> outline = adjacency_.outlineEdges(*geometry_);
+        std::vector<GpuEdge> edges;
+        edges.reserve(outline.size());
+        for (const OutlineEdge& e : outline)
+            edges.push_back({glm::vec4(e.a, static_cast<float>(e.forward[0] + 2 * e.forward[1])),
+                             glm::vec4(e.b, std::bit_cast<float>(e.piece)),
+                             glm::vec4(e.stretchA, 0.0f),
+                             glm::vec4(e.stretchB, 0.0f),
+                             {e.planes[0], e.planes[1]}});
+        outlineCount_ = static_cast<int>(edges.size());
+        edges_ = gl::Buffer::create(edges.size() * sizeof(GpuEdge), edges.data());
+        silhouettes_ = gl::Buffer::create(edges.size() * sizeof(std::uint32_t), nullptr);
+    }
+
+    void fitFrame(const Frame& frame) {
+        const LightTile& tile = depth_.view().tiles[0];
+        const glm::dvec2 size = tile.tangentSize();
+        texelTangent_ = std::max(size.x, size.y) / mapSize_;
+        farM_ = std::max(frame.lightBounds.whole.receiverFarM, tile.nearM);
+        // Half a texel to both sides smooths the maps' steps; where all penumbrae are narrower,
+        // it would widen them.
+        const double nearestM = std::clamp(frame.lightBounds.whole.casterNearM, tile.nearM, farM_);
+        const double widestM =
+            2.0 * std::max(frame.light.halfU, frame.light.halfV) * (1.0 / nearestM - 1.0 / farM_);
+        filterTexels_ = std::clamp(widestM / std::min(size.x, size.y) * mapSize_, 1e-6, 1.0);
+        if (secondMap_.width() == mapSize_) return;
+        secondMap_ = gl::Texture::createArray(GL_DEPTH_COMPONENT32F, mapSize_, mapSize_, 1);
+        penumbraMap_ = gl::Texture::createArray(GL_R32F, mapSize_, mapSize_, 2);
+        if (!inner_.is("pieces")) return;
+        pieceMap_ = gl::Texture::create2D(GL_R32UI, mapSize_, mapSize_);
+        pieceDepth_ = gl::Texture::create2D(GL_DEPTH_COMPONENT32F, mapSize_, mapSize_);
+    }
+
+    /// The framebuffer on these textures, and the state of a pass over the light's view.
+    void beginPass(const gl::Texture* colour, int layer, const gl::Texture* depth) const {
+        const GLuint id = framebuffer_.id();
+        glNamedFramebufferTexture(id, GL_DEPTH_ATTACHMENT, depth ? depth->id() : 0, 0);
+        if (colour && colour->layers() > 0)
+            glNamedFramebufferTextureLayer(id, GL_COLOR_ATTACHMENT0, colour->id(), 0, layer);
+        else
+            glNamedFramebufferTexture(id, GL_COLOR_ATTACHMENT0, colour ? colour->id() : 0, 0);
+        glNamedFramebufferDrawBuffer(id, colour ? GL_COLOR_ATTACHMENT0 : GL_NONE);
+        (depth ? glEnable : glDisable)(GL_DEPTH_TEST);
+        glDepthFunc(GL_GREATER);
+        glDepthMask(GL_TRUE);
+        glEnable(GL_DEPTH_CLAMP);
+        glDisable(GL_CULL_FACE);
+        glDisable(GL_BLEND);
+        glDisable(GL_POLYGON_OFFSET_FILL);
+        glDisable(GL_SCISSOR_TEST);
+        glViewport(0, 0, mapSize_, mapSize_);
+        glBindFramebuffer(GL_FRAMEBUFFER, id);
+        constexpr float kNothing = 0.0f;
+        if (depth) glClearNamedFramebufferfv(id, GL_DEPTH, 0, &kNothing);
+    }
+    static void endPass() {
+        glDisable(GL_DEPTH_CLAMP);
+        glDisable(GL_DEPTH_TEST);
+        glBindVertexArray(0);
+    }
+
+    /// Solids' faces but for those that `culled` says, and all sheets.
+    void drawFaces(const gl::Program& program, GLenum culled) const {
+        program.set("clipFromWorld", depth_.view().clipFromWorld(0));
+        glBindVertexArray(faceArray_.id());
+        const auto draw = [&](int first, int end) {
+            program.set("firstFace", first);
+            const auto offset = static_cast<std::uintptr_t>(first) * 3 * sizeof(std::uint32_t);
+            if (end > first)
+                glDrawElements(GL_TRIANGLES, 3 * (end - first), GL_UNSIGNED_INT,
+                               reinterpret_cast<const void*>(offset));
+        };
+        // The light looks along +z of right-handed axes: what runs counterclockwise for it runs
+        // clockwise in its map.
+        glFrontFace(GL_CW);
+        glCullFace(culled);
+        glEnable(GL_CULL_FACE);
+        draw(0, solidFaces_);
+        glDisable(GL_CULL_FACE);
+        glFrontFace(GL_CCW);
+        draw(solidFaces_, faceCount_);
+    }
+
+    void renderSecond() const {
+        const gl::DebugGroup group("penumbra quads: second front faces");
+        beginPass(nullptr, 0, &secondMap_);
+        second_.use();
+        depth_.map().bind(0);
+        second_.set("behind", static_cast<float>(1.0 - kBehindTexels * texelTangent_));
+        drawFaces(second_, GL_BACK);
+        endPass();
+    }
+
+    void renderPieces() const {
+        const gl::DebugGroup group("penumbra quads: pieces of the nearest back faces");
+        beginPass(&pieceMap_, 0, &pieceDepth_);
+        constexpr GLuint kNoPiece[4] = {0xffffffffu, 0, 0, 0};
+        glClearNamedFramebufferuiv(framebuffer_.id(), GL_COLOR, 0, kNoPiece);
+        piece_.use();
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, facePieces_.id());
+        drawFaces(piece_, GL_FRONT);
+        endPass();
+    }
+
+    /// Uniforms of what the edges and their quads are seen by.
+    void setView(const gl::Program& program, const AreaLight& light) const {
+        const LightTile& tile = depth_.view().tiles[0];
+        program.set("lightCentre", glm::vec3(light.centre));
+        program.set("lightAxes",
+                    glm::mat3(glm::transpose(glm::dmat3(tile.axisX, tile.axisY, tile.axisZ))));
+        program.set("tangents", glm::vec4(tile.tangentLo, 1.0 / tile.tangentSize()));
+        program.set("nearM", static_cast<float>(tile.nearM));
+        program.set("nearer", static_cast<float>(1.0 + kNearerTexels * texelTangent_));
+        program.set("mapSize", static_cast<int>(mapSize_));
+    }
+
+    void listSilhouettes(const AreaLight& light) const {
+        const gl::DebugGroup group("penumbra quads: silhouettes");
+        constexpr GLuint kEmpty[4] = {0, 1, 0, 0};
+        glNamedBufferSubData(draw_.id(), 0, sizeof(kEmpty), kEmpty);
+        silhouette_.use();
+        setView(silhouette_, light);
+        silhouette_.set("edgeCount", outlineCount_);
+        depth_.map().bind(0);
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, edges_.id());
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, silhouettes_.id());
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, draw_.id());
+        glDispatchCompute(static_cast<GLuint>(outlineCount_ + 63) / 64, 1, 1);
+        glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
+    }
+
+    void renderQuads(const AreaLight& light) const {
+        const gl::DebugGroup group("penumbra quads: outer and inner");
+        for (const bool outer : {true, false}) {
+            beginPass(&penumbraMap_, outer ? 0 : 1, nullptr);
+            const float clear[4] = {outer ? 1.0f : 0.0f, 0.0f, 0.0f, 0.0f};
+            glClearNamedFramebufferfv(framebuffer_.id(), GL_COLOR, 0, clear);
+            if (overlap_.is("min_max")) {
+                glEnable(GL_BLEND);
+                glBlendEquation(outer ? GL_MIN : GL_MAX);
+            }
+            quads_.use();
+            (outer ? depth_.map() : secondMap_).bind(0);
+            if (inner_.is("pieces")) pieceMap_.bind(1);
+            depth_.map().bind(2);
+            quads_.set("clipFromWorld", depth_.view().clipFromWorld(0));
+            setView(quads_, light);
+            quads_.set("lightHalfM", glm::vec2(light.halfU, light.halfV));
+            quads_.set("direction", outer ? 1.0f : -1.0f);
+            quads_.set("farM", static_cast<float>(farM_));
+            glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, edges_.id());
+            glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, silhouettes_.id());
+            glBindBuffer(GL_DRAW_INDIRECT_BUFFER, draw_.id());
+            glBindVertexArray(quadArray_.id());
+            glDrawArraysIndirect(GL_TRIANGLES, nullptr);
+            glBindBuffer(GL_DRAW_INDIRECT_BUFFER, 0);
+            glDisable(GL_BLEND);
+            glBlendEquation(GL_FUNC_ADD);
+            endPass();
+        }
+    }
+
+    DepthPass depth_;
+    gl::Program hard_, second_, piece_, silhouette_, quads_, soft_;
+    gl::Framebuffer framebuffer_;
+    gl::VertexArray faceArray_, quadArray_;
+    std::shared_ptr<const Geometry> geometry_;
+    EdgeAdjacency adjacency_;
+    gl::Buffer positions_, faceIndices_, facePieces_, edges_, silhouettes_, draw_;
+    int solidFaces_ = 0, faceCount_ = 0, outlineCount_ = 0;
+    gl::Texture secondMap_, penumbraMap_, pieceMap_, pieceDepth_;
+    bool soften_ = false;
+    double texelTangent_ = 0.0;  ///< width of a texel over its depth
+    double farM_ = 0.0, filterTexels_ = 1.0;
+};
+
+const Register<PenumbraQuads> entry{"penumbra_quads", "Penumbra quads", "Arvo, Westerholm 2004"};
+
+}  // namespace
+}  // namespace penumbra
