@@ -6,7 +6,9 @@
 // from the caster; kernels wider than a caster's detail step over it, and on concave or twisted
 // surfaces a kernel wider than a facet finds the next one above its plane and shades it (spinner).
 
+#include <algorithm>
 #include <cmath>
+#include <glm/packing.hpp>
 
 #include "core/gl/program.hpp"
 #include "core/passes/depth_pass.hpp"
@@ -17,8 +19,6 @@ namespace penumbra {
 namespace {
 
 class Pcf : public ShadowMethod {
-    static constexpr int kMostTaps = 1024;  // in shaders/pcf.glsl, too
-
     IntParameter mapSize_{this, "map_size", 1024, 16, 16384, "texels", "side of the shadow map"};
     ChoiceParameter pattern_{
         this,
@@ -28,7 +28,7 @@ class Pcf : public ShadowMethod {
         "the "
         "kernel's rectangle; or on its inscribed disc, along Vogel's spiral or at random with a "
         "least distance"};
-    IntParameter taps_{this, "taps", 49, 1, kMostTaps, "", "comparisons per pixel"};
+    IntParameter taps_{this, "taps", 49, 1, 1024, "", "comparisons per pixel"};
     FloatParameter kernel_{this,
                            "kernel",
                            0.25,
@@ -75,13 +75,15 @@ class Pcf : public ShadowMethod {
         std::vector<std::string> defines;
         if (compare_.is("hardware")) defines.emplace_back("COMPARE_HARDWARE");
         if (rotation_) defines.emplace_back("ROTATION");
+        if (pattern_.is("grid")) {
+            const int side = static_cast<int>(std::sqrt(taps_ + 0.5));
+            defines.push_back("GRID_SIDE " + std::to_string(side));
+        } else {
+            defines.push_back("TAPS " + taps_.text());
+            const std::vector<glm::uint> taps = packedTaps();
+            tapBuffer_ = gl::Buffer::create(taps.size() * sizeof(glm::uint), taps.data());
+        }
         kernelProgram_ = gl::Program::graphics("pcf.glsl", defines);
-        const std::vector<glm::vec4> taps = pattern();
-        tapCount_ = static_cast<int>(taps.size());
-        tapBuffer_ =
-            gl::Buffer::create(kMostTaps * sizeof(glm::vec4), nullptr, GL_DYNAMIC_STORAGE_BIT);
-        glNamedBufferSubData(tapBuffer_.id(), 0,
-                             static_cast<GLsizeiptr>(taps.size() * sizeof(glm::vec4)), taps.data());
         comparing_ = comparingSampler();
     }
 
@@ -103,7 +105,6 @@ class Pcf : public ShadowMethod {
             depth_.map().bind(kComparedUnit);
             glBindSampler(kComparedUnit, comparing_.id());
             glBindBufferBase(GL_UNIFORM_BUFFER, 1, tapBuffer_.id());
-            program.set("tapCount", tapCount_);
             program.set("kernelHalfM", glm::vec2(kernelHalf(frame.light)));
         }
         target.draw(program, frame.gbufferTextures);
@@ -119,37 +120,16 @@ class Pcf : public ShadowMethod {
         return static_cast<double>(kernel_) * glm::dvec2(light.halfU, light.halfV);
     }
 
-    /// The taps on [-1, 1]^2, one in xy each.
-    std::vector<glm::vec4> pattern() const {
-        std::vector<glm::vec4> taps;
-        if (pattern_.is("grid")) {
-            const int k = static_cast<int>(std::sqrt(taps_ + 0.5));
-            for (int j = 0; j < k; ++j)
-                for (int i = 0; i < k; ++i)
-                    taps.emplace_back(
-                        (2.0f * glm::vec2(i, j) + 1.0f) / static_cast<float>(k) - 1.0f, 0.0f, 0.0f);
-        } else if (pattern_.is("vogel")) {
-            for (int i = 0; i < taps_; ++i)
-                taps.emplace_back(vogelDisc(i, taps_, 0.0f), 0.0f, 0.0f);
-        } else {
-            for (const glm::vec2& tap : poissonDisc(taps_)) taps.emplace_back(tap, 0.0f, 0.0f);
-        }
-        return taps;
-    }
-
-    /// 1 where the map's s is at most the reference, and past its border.
-    static gl::Sampler comparingSampler() {
-        GLuint id = 0;
-        glCreateSamplers(1, &id);
-        glSamplerParameteri(id, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
-        glSamplerParameteri(id, GL_TEXTURE_COMPARE_FUNC, GL_GEQUAL);
-        for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
-            glSamplerParameteri(id, filter, GL_LINEAR);
-        for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
-            glSamplerParameteri(id, wrap, GL_CLAMP_TO_BORDER);
-        constexpr float kNothing[4] = {0.0f, 0.0f, 0.0f, 0.0f};
-        glSamplerParameterfv(id, GL_TEXTURE_BORDER_COLOR, kNothing);
-        return gl::Sampler(id);
+    /// The taps of vogel and poisson on the unit disc, x in the low half of each, in fours.
+    std::vector<glm::uint> packedTaps() const {
+        std::vector<glm::vec2> taps;
+        if (pattern_.is("poisson")) taps = poissonDisc(taps_);
+        while (taps.size() < static_cast<std::size_t>(taps_))
+            taps.push_back(vogelDisc(static_cast<int>(taps.size()), taps_, 0.0f));
+        std::vector<glm::uint> packed((taps.size() + 3) / 4 * 4);
+        std::ranges::transform(taps, packed.begin(),
+                               [](const glm::vec2& tap) { return glm::packSnorm2x16(tap); });
+        return packed;
     }
 
     static constexpr GLuint kComparedUnit = 1;  // shaders/pcf.glsl
@@ -157,7 +137,6 @@ class Pcf : public ShadowMethod {
     DepthPass depth_;
     gl::Program point_, kernelProgram_;
     gl::Buffer tapBuffer_;
-    int tapCount_ = 0;
     gl::Sampler comparing_;
 };
 

@@ -88,17 +88,19 @@ struct PlaneDepth {
 // widen every variance. As in litAt, depths beyond the receiver's own do not count where the plane
 // recedes from the light.
 PlaneDepth planeDepth(LightPoint point, vec2 middle, float reach, float bias) {
-    float rise = dot(point.gradient, middle / float(mapSize) - point.uv);
+    vec2 slope = point.gradient / float(mapSize);
+    float there = point.s + dot(slope, middle - point.uv * float(mapSize));
     float near = tileNear[point.tile];
-    float t = toDepth(near / (point.s + max(rise, 0.0)), point.tile);
-    float there = point.s + rise;
+    float depthThere = toDepth(near / there, point.tile);
+    float t = there > point.s ? depthThere : toDepth(near / point.s, point.tile);
     PlaneDepth plane;
-    plane.unoccluded = there > 0.0 ? min(toDepth(near / there, point.tile), 1.0) : 1.0;
+    plane.unoccluded = there > 0.0 ? min(depthThere, 1.0) : 1.0;
     // The map ends at the farthest receiver's depth. By how much that lowers the mean of a plane
     // that goes on: of depths spread evenly over t - r .. t + r the part beyond 1 comes to
     // (t + r - 1)^2 / 4 r, and of any other symmetric unimodal spread to less.
     float beyond = max(t + reach - 1.0, 0.0);
-    plane.compared = t - bias - (beyond > 0.0 ? beyond * beyond / (4.0 * max(reach, beyond)) : 0.0);
+    const float kLeastReach = 1e-12;  // for the division; of no effect on what is left of `beyond`
+    plane.compared = t - bias - 0.25 * beyond * min(beyond * (1.0 / max(reach, kLeastReach)), 1.0);
     return plane;
 }
 
@@ -141,14 +143,15 @@ void addCell(inout Kernel sum, vec2 moments, PlaneDepth plane, float planeVarian
 #endif
     float p = chebyshev(moments, plane.compared, leastVariance);
     // Against light bleeding (Lauritzen 2007): what a bound below p_bleed says is nothing.
-    sum.lit += weight * max((p - p_bleed) / (1.0 - p_bleed), 0.0);
-    if (p == 1.0) return;
+    sum.lit += weight * max((p - p_bleed) * (1.0 / (1.0 - p_bleed)), 0.0);
+    // A factor and no way out of here: software renderers go all ways, and pay for each.
+    float blocking = p < 1.0 ? weight : 0.0;
     // Mean = p unoccluded + (1 - p) blockers (Yang 2010, eq. 5), p for the very depth and variance
     // that the unoccluded part has: any other would put blockers anywhere where they are few. (The
     // bound above must not use these.)
     p = chebyshev(vec2(moments.x, moments.y - planeVariance), plane.unoccluded, leastVariance);
-    sum.blocked += weight * (1.0 - p);
-    sum.blockerDepth += weight * (moments.x - p * plane.unoccluded);
+    sum.blocked += blocking * (1.0 - p);
+    sum.blockerDepth += blocking * (moments.x - p * plane.unoccluded);
 }
 
 // The kernel's part inside the map in cells, each with its own Chebyshev bound against the plane's

@@ -59,6 +59,20 @@ double DepthPass::texels() const {
     return static_cast<double>(map_.width()) * map_.height() * map_.layers();
 }
 
+gl::Sampler comparingSampler() {
+    GLuint id = 0;
+    glCreateSamplers(1, &id);
+    glSamplerParameteri(id, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+    glSamplerParameteri(id, GL_TEXTURE_COMPARE_FUNC, GL_GEQUAL);
+    for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+        glSamplerParameteri(id, filter, GL_LINEAR);
+    for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
+        glSamplerParameteri(id, wrap, GL_CLAMP_TO_BORDER);
+    constexpr float kNothing[4] = {0.0f, 0.0f, 0.0f, 0.0f};
+    glSamplerParameterfv(id, GL_TEXTURE_BORDER_COLOR, kNothing);
+    return gl::Sampler(id);
+}
+
 void setLightView(const gl::Program& program, const LightView& view, int size) {
     program.set("lightCentre", glm::vec3(view.centre));
     program.set("tileCount", static_cast<int>(view.tiles.size()));

@@ -37,6 +37,10 @@ class DepthPass {
     bool alphaMask_ = false;
 };
 
+/// For reading a depth pass's map as a sampler2DArrayShadow: the share, bilinear, of the four
+/// nearest texels whose s is at most the reference. Past the map's border no caster is.
+gl::Sampler comparingSampler();
+
 /// Sets the uniforms of shaders/common/light_view.glsl on `program` (in use) for maps of `size`
 /// texels across.
 void setLightView(const gl::Program& program, const LightView& view, int size);

@@ -5,75 +5,27 @@
 
 #include <benchmark/benchmark.h>
 
-#include <algorithm>
 #include <map>
-#include <memory>
 #include <string>
 
-#include "core/frame/gpu_geometry.hpp"
-#include "core/gl/context.hpp"
 #include "core/passes/depth_pass.hpp"
+#include "harness/bench/stage.hpp"
 #include "harness/run/visibility_target.hpp"
-#include "methods/shadow_method.hpp"
 
-namespace penumbra {
+namespace penumbra::bench {
 namespace {
 
 constexpr int kPixels = 512, kMapSize = 512;
 
-/// A scene's first frame on the GPU.
-struct Stage {
-    std::shared_ptr<const Scene> scene;
-    SceneFrame moment;
-    Tracer tracer;
-    GBuffer gbuffer;
-    GBufferTextures textures;
-    GpuMaterials materials;
-    GpuGeometry geometry;
-    Frame frame;
-    EffectSet calledFor;
-
-    explicit Stage(const std::string& id)
-        : scene(loadScene(id, SceneLibrary::standard())),
-          moment(scene->frame(0)),
-          tracer(moment.geometry, scene->materials, scene->images),
-          gbuffer(renderGBuffer(tracer, moment, *scene, kPixels, kPixels)),
-          textures(uploadGBuffer(gbuffer)),
-          materials(scene->materials, scene->images),
-          geometry(moment.geometry, materials),
-          frame{*scene,
-                0,
-                moment.light,
-                boundLight(moment.light, gbuffer, *moment.geometry),
-                moment.camera,
-                moment.geometry,
-                tracer,
-                gbuffer,
-                textures,
-                geometry,
-                1},
-          calledFor(effectsCalledFor(*scene, moment)) {}
-};
-
-double leastMs(double least, const auto& work) {
-    const gl::FencedTimer timer;
-    work();
-    return std::min(least, timer.stop());
-}
-
 void overBareMaps(benchmark::State& state, const std::string& id, const Assignments& settings) {
-    static const std::unique_ptr<gl::Context> context =
-        gl::Context::create(gl::ContextKind::osmesa);
-    const Stage stage(id);
+    needContext();
+    const Stage stage(id, kPixels);
     const auto count = static_cast<int>(state.range(0));
     const TextureTarget target(kPixels, kPixels);
 
-    const std::unique_ptr<ShadowMethod> method = findMethod("light_sampled").make();
-    method->set("light_sampled", "samples", std::to_string(count));
-    method->set("light_sampled", "map_size", std::to_string(kMapSize));
-    for (const auto& [parameter, value] : settings) method->set("light_sampled", parameter, value);
-    const Plan plan = planFor({}, stage.calledFor, method->traits().simulates);
-    method->prepare(*stage.scene, plan);
+    Assignments all = {{"samples", std::to_string(count)}, {"map_size", std::to_string(kMapSize)}};
+    all.insert(all.end(), settings.begin(), settings.end());
+    const auto [method, plan] = stage.act("light_sampled", all);
 
     DepthPass depth(plan.has(Effect::alpha_mask)), maps(plan.has(Effect::alpha_mask));
     const LightView view = LightView::fit(stage.frame, glm::dvec2(0.0), kMapSize);
@@ -115,4 +67,4 @@ const auto registered = [] {
 }();
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::bench

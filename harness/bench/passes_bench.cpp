@@ -5,16 +5,12 @@
 #include <cmath>
 #include <map>
 
-#include "core/gl/context.hpp"
 #include "core/passes/blur.hpp"
 #include "core/passes/summed_area_table.hpp"
+#include "harness/bench/stage.hpp"
 
-namespace penumbra {
+namespace penumbra::bench {
 namespace {
-
-void needContext() {
-    static const auto kContext = gl::Context::create(gl::ContextKind::automatic);
-}
 
 /// Two-channel moments of `size` squared texels, uneven enough to be no special case.
 gl::Texture moments(int size) {
@@ -81,4 +77,4 @@ const auto registered = [] {
 }();
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::bench
