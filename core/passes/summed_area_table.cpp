@@ -23,6 +23,7 @@ SummedAreaTable SummedAreaTable::create(Kind kind) {
         std::vector<std::string> defines = {pass, "SEGMENTS " + std::to_string(kSegments),
                                             "LINES " + std::to_string(kLines)};
         if (kind == Kind::uint32) defines.emplace_back("TABLE_UINT");
+        if (kind == Kind::counts) defines.emplace_back("TABLE_COUNTS");
         if (kind == Kind::float32) defines.emplace_back("SUBTRACT_MEAN");
         return gl::Program::compute("common/summed_area_table_build.glsl", defines);
     };
@@ -39,12 +40,12 @@ void SummedAreaTable::build(const gl::Texture& source, double maxBoxTexels) {
     const gl::DebugGroup group("summed-area table");
     const int width = source.width(), height = source.height(), layers = source.layers();
     if (table_.width() != width + 1 || table_.height() != height + 1 || table_.layers() != layers) {
-        table_ = gl::Texture::createArray(integer() ? GL_RG32UI : GL_RG32F, width + 1, height + 1,
-                                          layers);
+        table_ = gl::Texture::createArray(format(), width + 1, height + 1, layers);
         means_ = gl::Texture::createArray(GL_RG32F, 1, height + 1, layers);
         // The first row and column are nobody's sum and stay 0.
         if (integer())
-            glClearTexImage(table_.id(), 0, GL_RG_INTEGER, GL_UNSIGNED_INT, nullptr);
+            glClearTexImage(table_.id(), 0, kind_ == Kind::counts ? GL_RGBA_INTEGER : GL_RG_INTEGER,
+                            GL_UNSIGNED_INT, nullptr);
         else
             glClearTexImage(table_.id(), 0, GL_RG, GL_FLOAT, nullptr);
         glClearTexImage(means_.id(), 0, GL_RG, GL_FLOAT, nullptr);
@@ -67,6 +68,10 @@ void SummedAreaTable::build(const gl::Texture& source, double maxBoxTexels) {
     }
     run(rows_, 1, groups(height, kLines));
     run(columns_, groups(width, kLines), 1);
+}
+
+GLenum SummedAreaTable::format() const {
+    return kind_ == Kind::counts ? GL_RGBA32UI : integer() ? GL_RG32UI : GL_RG32F;
 }
 
 double SummedAreaTable::stepOf(double maxBoxTexels) {

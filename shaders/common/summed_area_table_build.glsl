@@ -3,12 +3,22 @@
 // and each piece is then scanned from the sum of all before it. Two reads and one write per texel
 // and axis, whatever the size, with one barrier (after Blelloch 1990, three-phase scan).
 #ifdef STAGE_COMPUTE
-#ifdef TABLE_UINT
+#if defined(TABLE_COUNTS)
+#define SUM uvec4
+#define CHANNELS rgba
+#define STORED(sum) sum
+#define TABLE_IMAGE uimage2DArray
+#define TABLE_FORMAT rgba32ui
+#elif defined(TABLE_UINT)
 #define SUM uvec2
+#define CHANNELS rg
+#define STORED(sum) uvec4(sum, 0u, 0u)
 #define TABLE_IMAGE uimage2DArray
 #define TABLE_FORMAT rg32ui
 #else
 #define SUM vec2
+#define CHANNELS rg
+#define STORED(sum) vec4(sum, 0.0, 0.0)
 #define TABLE_IMAGE image2DArray
 #define TABLE_FORMAT rg32f
 #endif
@@ -48,16 +58,20 @@ shared SUM segmentSums[kSegments * kLines];
 // Entry `i` of line `line`: a source texel in the first scan, what that left in the second.
 #ifdef PASS_ROWS
 SUM entry(int i, int line, int layer, vec2 mean) {
+#ifdef TABLE_COUNTS
+    return uvec4(round(texelFetch(source, ivec3(i, line, layer), 0)));
+#else
     vec2 v = texelFetch(source, ivec3(i, line, layer), 0).rg;
 #ifdef TABLE_UINT
     return uvec2(round((clamp(v, -1.0, 1.0) * 0.5 + 0.5) * stepsPerUnit));
 #else
     return v - mean;
 #endif
+#endif
 }
 #else
 SUM entry(int i, int line, int layer, vec2 mean) {
-    return imageLoad(tableImage, ivec3(line + 1, i + 1, layer)).rg;
+    return imageLoad(tableImage, ivec3(line + 1, i + 1, layer)).CHANNELS;
 }
 #endif
 
@@ -92,11 +106,7 @@ void main() {
 #else
         ivec3 at = ivec3(line + 1, i + 1, layer);
 #endif
-#ifdef TABLE_UINT
-        imageStore(tableImage, at, uvec4(sum, 0u, 0u));
-#else
-        imageStore(tableImage, at, vec4(sum, 0.0, 0.0));
-#endif
+        imageStore(tableImage, at, STORED(sum));
     }
 }
 #endif

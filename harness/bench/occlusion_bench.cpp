@@ -1,0 +1,223 @@
+// Occlusion textures as ratios of one sitting. `light`: shade_ms at 1, 10 and 100 times the light's
+// area over that at 1 (the paper: independent), beside pcss and pcf. `slices`: build_ms over that
+// of 4 slices. `triangles`: build_ms of 16 slices on scenes of more and more triangles over their
+// depth pass. `prefilter`: mip levels, N-buffers and the summed-area table of 16 slices (the paper:
+// 1 : 3 : 32 at 256^2, 1 : 11 : 139 at 512^2) and each over a plain read and write of the texels
+// that it must touch. All are least times.
+
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "core/frame/gpu_geometry.hpp"
+#include "core/gl/context.hpp"
+#include "core/passes/depth_pass.hpp"
+#include "core/passes/n_buffers.hpp"
+#include "core/passes/slice_pass.hpp"
+#include "core/passes/summed_area_table.hpp"
+#include "harness/run/visibility_target.hpp"
+#include "methods/shadow_method.hpp"
+
+namespace penumbra {
+namespace {
+
+constexpr int kPixels = 512, kMapSize = 512, kSlices = 16;
+
+void needContext() {
+    static const auto kContext = gl::Context::create(gl::ContextKind::automatic);
+}
+
+/// A scene's first frame on the GPU, its light's area scaled about its centre.
+struct Stage {
+    std::shared_ptr<const Scene> scene;
+    SceneFrame moment;
+    Tracer tracer;
+    GBuffer gbuffer;
+    GBufferTextures textures;
+    GpuMaterials materials;
+    GpuGeometry geometry;
+    Frame frame;
+    EffectSet calledFor;
+
+    explicit Stage(const std::string& id, double lightArea = 1.0)
+        : scene(loadScene(id, SceneLibrary::standard())),
+          moment(scaledLight(scene->frame(0), lightArea)),
+          tracer(moment.geometry, scene->materials, scene->images),
+          gbuffer(renderGBuffer(tracer, moment, *scene, kPixels, kPixels)),
+          textures(uploadGBuffer(gbuffer)),
+          materials(scene->materials, scene->images),
+          geometry(moment.geometry, materials),
+          frame{*scene,
+                0,
+                moment.light,
+                boundLight(moment.light, gbuffer, *moment.geometry),
+                moment.camera,
+                moment.geometry,
+                tracer,
+                gbuffer,
+                textures,
+                geometry,
+                1},
+          calledFor(effectsCalledFor(*scene, moment)) {}
+
+    static SceneFrame scaledLight(SceneFrame moment, double area) {
+        moment.light.halfU *= std::sqrt(area);
+        moment.light.halfV *= std::sqrt(area);
+        return moment;
+    }
+};
+
+/// A method that has built one stage.
+struct Prepared {
+    const Stage& stage;
+    std::unique_ptr<ShadowMethod> method;
+    Plan plan;
+    TextureTarget target{kPixels, kPixels};
+
+    Prepared(const Stage& on, const std::string& id, const Assignments& settings)
+        : stage(on), method(findMethod(id).make()) {
+        for (const auto& [parameter, value] : settings) method->set(id, parameter, value);
+        plan = planFor({}, stage.calledFor, method->traits().simulates);
+        method->prepare(*stage.scene, plan);
+        build();
+        shade();
+    }
+    void build() { method->build(stage.frame, plan); }
+    void shade() { method->shade(stage.frame, plan, target); }
+};
+
+double leastMs(double least, const auto& work) {
+    const gl::FencedTimer timer;
+    work();
+    return std::min(least, timer.stop());
+}
+
+void lightSize(benchmark::State& state, const std::string& id, const Assignments& settings) {
+    needContext();
+    // From 0.1 x 0.1 metres to 1 x 1.
+    const Stage small("fence", 1.0), medium("fence", 10.0), large("fence", 100.0);
+    Prepared methods[] = {{small, id, settings}, {medium, id, settings}, {large, id, settings}};
+    double ms[3] = {1e9, 1e9, 1e9};
+    for (auto _ : state)
+        for (int i = 0; i < 3; ++i) ms[i] = leastMs(ms[i], [&] { methods[i].shade(); });
+    state.counters["shade_ms"] = ms[0];
+    state.counters["of_10x"] = ms[1] / ms[0];
+    state.counters["of_100x"] = ms[2] / ms[0];
+}
+
+void slices(benchmark::State& state) {
+    needContext();
+    const Stage stage("clouds");
+    std::map<int, double> ms;
+    std::map<int, std::unique_ptr<Prepared>> methods;
+    SlicePass pass(kSlices, false), four(4, false);
+    const SliceView view = SliceView::fit(stage.frame, {}),
+                    viewOfFour = SliceView::fit(stage.frame, {.slices = 4});
+    for (const int count : {4, 8, 16, 32, 64}) {
+        ms[count] = 1e9;
+        methods[count] = std::make_unique<Prepared>(stage, "occlusion_textures",
+                                                    Assignments{{"slices", std::to_string(count)}});
+    }
+    double passMs = 1e9, fourMs = 1e9;
+    for (auto _ : state) {
+        for (auto& [count, least] : ms) least = leastMs(least, [&] { methods[count]->build(); });
+        passMs = leastMs(passMs, [&] { pass.render(stage.frame, view, {}, kMapSize); });
+        fourMs = leastMs(fourMs, [&] { four.render(stage.frame, viewOfFour, {}, kMapSize); });
+    }
+    state.counters["build_ms_of_4"] = ms[4];
+    for (const int count : {8, 16, 32, 64})
+        state.counters["of_" + std::to_string(count)] = ms[count] / ms[4];
+    state.counters["geometry_pass_of_16"] = passMs / fourMs;
+}
+
+void triangles(benchmark::State& state, const std::string& id) {
+    needContext();
+    const Stage stage(id);
+    Prepared method(stage, "occlusion_textures", {});
+    DepthPass depth(false);
+    const LightView view = LightView::fit(stage.frame, glm::dvec2(0.0), kMapSize);
+    double buildMs = 1e9, depthMs = 1e9;
+    for (auto _ : state) {
+        buildMs = leastMs(buildMs, [&] { method.build(); });
+        depthMs = leastMs(depthMs, [&] { depth.render(stage.frame, view, kMapSize); });
+    }
+    state.counters["triangles"] = static_cast<double>(stage.moment.geometry->triangleCount());
+    state.counters["build_ms"] = buildMs;
+    state.counters["of_depth_pass"] = buildMs / depthMs;
+}
+
+/// The texels of one layer of four slices: some, unevenly.
+gl::Texture binarySlices(int size, int layers) {
+    const int levels = 1 + static_cast<int>(std::log2(size));
+    gl::Texture texture = gl::Texture::createArray(GL_RGBA8, size, size, layers, levels);
+    std::vector<glm::u8vec4> texels;
+    for (int y = 0; y < size; ++y)
+        for (int x = 0; x < size; ++x)
+            texels.emplace_back((x * y) % 7 == 0 ? 255 : 0, (x + y) % 5 == 0 ? 255 : 0,
+                                x % 3 == 0 ? 255 : 0, y % 2 == 0 ? 255 : 0);
+    for (int layer = 0; layer < layers; ++layer)
+        glTextureSubImage3D(texture.id(), 0, 0, 0, layer, size, size, 1, GL_RGBA, GL_UNSIGNED_BYTE,
+                            texels.data());
+    return texture;
+}
+
+void prefilters(benchmark::State& state) {
+    needContext();
+    const auto size = static_cast<int>(state.range(0));
+    constexpr int kLayers = kSlices / 4;
+    const gl::Texture source = binarySlices(size, kLayers);
+    const int levels = 1 + static_cast<int>(std::log2(size));
+    NBuffers buffers = NBuffers::create();
+    SummedAreaTable table = SummedAreaTable::create(SummedAreaTable::Kind::counts);
+    // N-buffers of one level are a plain read and write of half floats; each further one reads the
+    // last and writes anew. A table is written twice, each time 16 bytes a texel.
+    NBuffers plain = NBuffers::create();
+    double mipMs = 1e9, bufferMs = 1e9, tableMs = 1e9, plainMs = 1e9, copyMs = 1e9;
+    const gl::Texture from = gl::Texture::createArray(GL_RGBA32UI, size, size, kLayers),
+                      to = gl::Texture::createArray(GL_RGBA32UI, size, size, kLayers);
+    const auto copy = [&] {
+        glCopyImageSubData(from.id(), GL_TEXTURE_2D_ARRAY, 0, 0, 0, 0, to.id(), GL_TEXTURE_2D_ARRAY,
+                           0, 0, 0, 0, size, size, kLayers);
+    };
+    for (auto _ : state) {
+        mipMs = leastMs(mipMs, [&] { glGenerateTextureMipmap(source.id()); });
+        bufferMs = leastMs(bufferMs, [&] { buffers.build(source, levels); });
+        tableMs = leastMs(tableMs, [&] { table.build(source, static_cast<double>(size) * size); });
+        plainMs = leastMs(plainMs, [&] { plain.build(source, 1); });
+        copyMs = leastMs(copyMs, copy);
+    }
+    state.counters["mip_ms"] = mipMs;
+    state.counters["n_buffers_of_mip"] = bufferMs / mipMs;
+    state.counters["sat_of_mip"] = tableMs / mipMs;
+    state.counters["sat_of_n_buffers"] = tableMs / bufferMs;
+    state.counters["n_buffers_of_plain"] = bufferMs / (plainMs * levels);
+    state.counters["sat_of_plain"] = tableMs / (2.0 * plainMs);
+    state.counters["sat_of_copies"] = tableMs / (2.0 * copyMs);
+}
+
+const auto registered = [] {
+    const auto timed = [](benchmark::internal::Benchmark* b) {
+        return b->Iterations(15)->Unit(benchmark::kMillisecond);
+    };
+    timed(benchmark::RegisterBenchmark("occlusion/light/occlusion_textures", lightSize,
+                                       std::string("occlusion_textures"), Assignments{}));
+    timed(benchmark::RegisterBenchmark("occlusion/light/one_cell", lightSize,
+                                       std::string("occlusion_textures"),
+                                       Assignments{{"cells", "1"}, {"contact", "none"}}));
+    for (const char* id : {"pcss", "pcf"})
+        timed(benchmark::RegisterBenchmark(("occlusion/light/" + std::string(id)).c_str(),
+                                           lightSize, std::string(id), Assignments{}));
+    timed(benchmark::RegisterBenchmark("occlusion/slices", slices));
+    for (const char* id : {"butterfly", "clouds", "arcade"})
+        timed(benchmark::RegisterBenchmark(("occlusion/triangles/" + std::string(id)).c_str(),
+                                           triangles, std::string(id)));
+    timed(benchmark::RegisterBenchmark("occlusion/prefilters", prefilters))->Arg(256)->Arg(512);
+    return 0;
+}();
+
+}  // namespace
+}  // namespace penumbra

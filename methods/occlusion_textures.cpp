@@ -1,0 +1,322 @@
+// Occlusion textures: the casters between light and receivers are cut into slices parallel to the
+// light and drawn in one pass into binary textures, one per slice, from behind the light. Seen from
+// a receiver the light covers a rectangle of each of them, whose mean is the share of the light
+// that the slice hides; whatever the light's size that is one lookup in a prefiltered texture. The
+// slices' shares are combined to V (Eisemann, Decoret 2006; METHODS.md 13).
+//
+// One caster parallel to the light is exact. Of several slices only their means are known, not
+// whether they hide the same part of the light: the maximum is right where they do, the sum where
+// they do not, the product where chance rules, and it leaves (1 - 1/n)^n of the light in the umbra
+// of an oblique wall cut into n slices. `cells` asks each part of the light apart, which bounds
+// what any rule can get wrong by the cells that more than one slice covers in part, and
+// combination=continued takes neighbouring slices for pieces of one surface.
+//
+// Casters lie on their slice's plane instead of where they are: light leaks between the pieces of a
+// surface that crosses a boundary (thin_casters closes it), penumbrae are a little too narrow, and
+// what is in the receiver's own slice does not shadow it, so that contact shadows fade out within
+// one slice's thickness; contact=hard_map puts those of a plain shadow map there, whose edges are
+// hard. Wires thinner than a texel come and go. All receivers must fit one frustum
+// from behind the light; where they do not the method is unsupported.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/frame/casters.hpp"
+#include "core/passes/depth_pass.hpp"
+#include "core/passes/n_buffers.hpp"
+#include "core/passes/slice_pass.hpp"
+#include "core/passes/summed_area_table.hpp"
+#include "methods/shadow_method.hpp"
+
+namespace penumbra {
+namespace {
+
+constexpr GLuint kOcclusionUnit = 1;  // shaders/occlusion_textures.glsl
+
+class OcclusionTextures : public ShadowMethod {
+    IntParameter mapSize_{this, "map_size", 512, 16, 2048, "texels", "side of the textures"};
+    IntParameter slices_{this,
+                         "slices",
+                         16,
+                         1,
+                         SlicePass::kMostSlices,
+                         "",
+                         "occlusion textures; more than 16 are drawn as bits and unpacked"};
+    ChoiceParameter projection_{this,
+                                "projection",
+                                {"perspective", "orthographic"},
+                                "from behind the light, or along its normal"};
+    FloatParameter copDistance_{this,
+                                "cop_distance",
+                                1.0,
+                                0.0,
+                                10.0,
+                                "",
+                                "distance of the centre of projection over the greatest from which "
+                                "the frustum through the light holds the scene"};
+    ChoiceParameter placement_{
+        this,
+        "placement",
+        {"quantile", "uniform"},
+        "boundaries of the slices: half by the casters' area, half by depth; or by depth alone"};
+    BoolParameter snap_{this, "snap", true,
+                        "a slice's plane lies at its deepest caster instead of its boundary"};
+    ChoiceParameter prefilter_{
+        this,
+        "prefilter",
+        {"auto", "sat", "n_buffers", "mipmap"},
+        "of the textures: exact boxes from a summed-area table, two levels of means over squares "
+        "at "
+        "every place or of mip levels; auto: N-buffers where kernels are narrow, else the table"};
+    ChoiceParameter combination_{
+        this,
+        "combination",
+        {"continued", "product", "max", "sum", "mean"},
+        "of the slices' shares: sum over slices that follow each other "
+        "and product of such runs; the paper's rules; mean of max and sum"};
+    IntParameter cells_{this,
+                        "cells",
+                        2,
+                        1,
+                        4,
+                        "",
+                        "cells along each side of the light whose shares are combined apart, 1 as "
+                        "in the paper"};
+    ChoiceParameter thinCasters_{
+        this,
+        "thin_casters",
+        {"crossing", "thin", "all", "none"},
+        "casters that are drawn into the next slice, too: bodies that go on in it, those of them "
+        "that are thinner than a slice, all"};
+    ChoiceParameter contact_{
+        this,
+        "contact",
+        {"hard_map", "none"},
+        "casters within the slices that do not count yet: as a shadow map from the light's centre "
+        "tells them, or, as in the paper, not at all"};
+    FloatParameter bias_{this,
+                         "bias",
+                         1.5,
+                         0.0,
+                         16.0,
+                         "texels",
+                         "how far receivers are moved along their normal, in texel footprints at "
+                         "their depth, times the sine of their slope"};
+
+  public:
+    Traits traits() const override {
+        return {{Effect::penumbra, Effect::self_shadow, Effect::thin_casters,
+                 Effect::layered_casters, Effect::alpha_mask, Effect::moving_light,
+                 Effect::moving_casters, Effect::moving_camera}};
+    }
+
+    std::vector<Assignments> ladder() const override {
+        return {{{"slices", "4"}, {"cells", "2"}, {"map_size", "256"}},
+                {{"slices", "8"}, {"cells", "2"}},
+                {{"slices", "16"}, {"cells", "2"}},
+                {{"slices", "16"}, {"cells", "3"}, {"map_size", "1024"}},
+                {{"slices", "64"}, {"cells", "4"}, {"map_size", "1024"}}};
+    }
+
+    void prepare(const Scene& scene, const Plan& plan) override {
+        const bool alphaMask = plan.has(Effect::alpha_mask);
+        depth_ = DepthPass(alphaMask);
+        hard_ = gl::Program::graphics("occlusion_textures.glsl", {"PASS_HARD"});
+        if (!plan.has(Effect::penumbra)) return;
+        slicePass_ = SlicePass(slices_, alphaMask);
+        table_ = SummedAreaTable::create(SummedAreaTable::Kind::counts);
+        buffers_ = NBuffers::create();
+        for (const Prefilter filter : {Prefilter::sat, Prefilter::nBuffers, Prefilter::mipmap})
+            if (mayUse(filter)) program(filter) = shadeProgram(filter);
+        if (fillsSome()) casters_ = Casters::find(*scene.frame(0).geometry);
+    }
+
+    void build(const Frame& frame, const Plan& plan) override {
+        soften_ = plan.has(Effect::penumbra) && !frame.light.isPoint();
+        if (soften_) {
+            view_ = SliceView::fit(frame, {.slices = slices_,
+                                           .mapSize = mapSize_,
+                                           .orthographic = projection_.is("orthographic"),
+                                           .copFactor = copDistance_,
+                                           .quantiles = placement_.is("quantile"),
+                                           .snap = snap_});
+            // Kernels within a texel tell nothing that the hard map does not tell better.
+            soften_ = widestKernelTexels(frame) > 1.0;
+        }
+        if (!soften_ || hasContact())
+            depth_.render(frame, LightView::fit(frame, glm::dvec2(0.0), mapSize_), mapSize_);
+        if (!soften_) return;
+        used_ = choosePrefilter(frame);
+        const int levels = used_ == Prefilter::mipmap ? levelsOf(mapSize_) : 1;
+        slicePass_.render(frame, view_, fill(frame), mapSize_, levels);
+        prefilter(frame);
+    }
+
+    void shade(const Frame& frame, const Plan&, const VisibilityTarget& target) override {
+        const gl::DebugGroup group("occlusion textures: shade");
+        const gl::Program& shader = soften_ ? program(used_) : hard_;
+        shader.use();
+        shader.set(*this);
+        if (!soften_ || hasContact()) depth_.bind(shader, 0);
+        shader.set("biasTexels", 0.5f);  // method hard's default
+        if (soften_) setView(shader, frame.light);
+        target.draw(shader, frame.gbufferTextures);
+    }
+
+    WorkCounters counters() const override {
+        if (!soften_) return {depth_.map().layers(), depth_.texels(), depth_.map().mebibytes(), ""};
+        const double texels = static_cast<double>(mapSize_) * mapSize_ * slices_;
+        const int maps = hasContact() ? depth_.map().layers() : 0;
+        return {1 + maps, texels + (hasContact() ? depth_.texels() : 0.0),
+                depth_.map().mebibytes() + slicePass_.mebibytes() + table_.mebibytes() +
+                    buffers_.mebibytes() + fillDepths_.mebibytes(),
+                ""};
+    }
+
+  private:
+    enum class Prefilter { sat, nBuffers, mipmap };
+
+    gl::Program& program(Prefilter filter) { return soft_[static_cast<std::size_t>(filter)]; }
+
+    bool mayUse(Prefilter filter) const {
+        switch (filter) {
+            case Prefilter::sat:
+                return prefilter_.is("sat") || prefilter_.is("auto");
+            case Prefilter::nBuffers:
+                return prefilter_.is("n_buffers") || prefilter_.is("auto");
+            case Prefilter::mipmap:
+                return prefilter_.is("mipmap");
+        }
+        return false;
+    }
+
+    gl::Program shadeProgram(Prefilter filter) const {
+        std::vector<std::string> defines = {"SLICES " + slices_.text(), "CELLS " + cells_.text()};
+        std::string rule = combination_.text();
+        std::ranges::transform(rule, rule.begin(), [](char c) { return std::toupper(c); });
+        defines.push_back("COMBINE_" + rule);
+        if (!thinCasters_.is("none")) defines.emplace_back("FILLED");
+        if (hasContact()) defines.emplace_back("CONTACT");
+        if (filter == Prefilter::sat) defines.emplace_back("PREFILTER_SAT");
+        if (filter == Prefilter::nBuffers) defines.emplace_back("PREFILTER_N_BUFFERS");
+        return gl::Program::graphics("occlusion_textures.glsl", defines);
+    }
+
+    static int levelsOf(double texels) {
+        return 1 + static_cast<int>(std::floor(std::log2(std::max(texels, 1.0))));
+    }
+
+    double widestKernelTexels(const Frame& frame) const {
+        double widest = 0.0;
+        for (const double planeM : view_.planesM) {
+            const glm::dvec2 uv = view_.kernelUv(frame.light, view_.farM, planeM);
+            widest = std::max({widest, uv.x * mapSize_, uv.y * mapSize_});
+        }
+        return widest;
+    }
+
+    /// The table costs the same for any kernel, N-buffers as much as their levels: two of them are
+    /// cheaper than the table.
+    Prefilter choosePrefilter(const Frame& frame) const {
+        if (prefilter_.is("mipmap")) return Prefilter::mipmap;
+        if (prefilter_.is("n_buffers")) return Prefilter::nBuffers;
+        constexpr double kNarrowTexels = 2.0;
+        return prefilter_.is("auto") && widestKernelTexels(frame) <= kNarrowTexels
+                   ? Prefilter::nBuffers
+                   : Prefilter::sat;
+    }
+
+    void prefilter(const Frame& frame) {
+        switch (used_) {
+            case Prefilter::sat:
+                table_.build(slicePass_.texture(), static_cast<double>(mapSize_) * mapSize_);
+                break;
+            case Prefilter::nBuffers:
+                buffers_.build(
+                    slicePass_.texture(),
+                    std::min(levelsOf(widestKernelTexels(frame)) + 1, levelsOf(mapSize_)));
+                break;
+            case Prefilter::mipmap:
+                glGenerateTextureMipmap(slicePass_.texture().id());
+                glTextureParameteri(slicePass_.texture().id(), GL_TEXTURE_MIN_FILTER,
+                                    GL_LINEAR_MIPMAP_LINEAR);
+                glTextureParameteri(slicePass_.texture().id(), GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+                break;
+        }
+    }
+
+    bool hasContact() const { return contact_.is("hard_map"); }
+    /// Some casters, by what they are and where.
+    bool fillsSome() const { return thinCasters_.is("thin") || thinCasters_.is("crossing"); }
+
+    SliceFill fill(const Frame& frame) {
+        if (!fillsSome()) return {.always = thinCasters_.is("all")};
+        const std::vector<glm::vec3>& positions = frame.geometry->positions;
+        if (casters_.ofVertex.size() != positions.size()) casters_ = Casters::find(*frame.geometry);
+        const double sliceM = (view_.farM - view_.boundariesM[0]) / (slices_ + 1.0);
+        std::vector<float> deepest(casters_.thicknessM.size(), 0.0f);
+        const glm::vec3 axis(view_.axisZ), centre(view_.centre);
+        for (std::size_t v = 0; v < positions.size(); ++v)
+            deepest[casters_.ofVertex[v]] =
+                std::max(deepest[casters_.ofVertex[v]], glm::dot(axis, positions[v] - centre));
+        if (thinCasters_.is("thin"))
+            for (std::size_t c = 0; c < deepest.size(); ++c)
+                if (casters_.thicknessM[c] >= sliceM) deepest[c] = 0.0f;
+        constexpr std::size_t kWidth = 4096;
+        const std::size_t rows = std::max<std::size_t>(1, (positions.size() + kWidth - 1) / kWidth);
+        std::vector<float> depths(rows * kWidth, 0.0f);
+        for (std::size_t v = 0; v < positions.size(); ++v)
+            depths[v] = deepest[casters_.ofVertex[v]];
+        if (fillDepths_.height() != static_cast<int>(rows))
+            fillDepths_ =
+                gl::Texture::create2D(GL_R32F, static_cast<int>(kWidth), static_cast<int>(rows));
+        glTextureSubImage2D(fillDepths_.id(), 0, 0, 0, static_cast<GLsizei>(kWidth),
+                            static_cast<GLsizei>(rows), GL_RED, GL_FLOAT, depths.data());
+        return {.always = false, .depthM = &fillDepths_};
+    }
+
+    void setView(const gl::Program& shader, const AreaLight& light) const {
+        if (used_ == Prefilter::sat)
+            table_.table().bind(kOcclusionUnit);
+        else if (used_ == Prefilter::nBuffers)
+            buffers_.texture().bind(kOcclusionUnit);
+        else
+            slicePass_.texture().bind(kOcclusionUnit);
+        shader.set("levels", buffers_.levels());
+        shader.set("lightAxes",
+                   glm::mat3(glm::transpose(glm::dmat3(view_.axisX, view_.axisY, view_.axisZ))));
+        shader.set("lightCentre", glm::vec3(view_.centre));
+        shader.set("lightHalfM", glm::vec2(light.halfU, light.halfV));
+        shader.set("orthographic", view_.orthographic ? 1 : 0);
+        shader.set("copM", static_cast<float>(view_.copM));
+        shader.set("uvScale", glm::vec2(view_.scale));
+        shader.set("uvOffset", glm::vec2(view_.offset));
+        shader.set("mapSize", static_cast<int>(mapSize_));
+        const std::size_t count = view_.planesM.size();
+        for (std::size_t k = 0; k < count; ++k) {
+            const double lower = view_.boundariesM[k + 1],
+                         next = k + 2 <= count ? view_.boundariesM[k + 2] : view_.farM;
+            shader.set(("slices[" + std::to_string(k) + "]").c_str(),
+                       glm::vec3(view_.planesM[k], lower, 1.0 / (next - lower)));
+        }
+    }
+
+    DepthPass depth_;
+    SlicePass slicePass_;
+    SummedAreaTable table_;
+    NBuffers buffers_;
+    Casters casters_;
+    gl::Texture fillDepths_;
+    gl::Program hard_;
+    std::array<gl::Program, 3> soft_;  ///< by Prefilter
+    SliceView view_;
+    Prefilter used_ = Prefilter::sat;
+    bool soften_ = false;  ///< the last build made slices
+};
+
+const Register<OcclusionTextures> entry{"occlusion_textures", "Occlusion textures",
+                                        "Eisemann, Decoret 2006"};
+
+}  // namespace
+}  // namespace penumbra
