@@ -11,9 +11,10 @@
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
+#include <stdexcept>
+#include <vector>
 
 #include "core/passes/depth_pass.hpp"
-#include "core/passes/summed_area_table.hpp"
 #include "harness/bench/stage.hpp"
 #include "harness/run/visibility_target.hpp"
 
