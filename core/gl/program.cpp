@@ -104,6 +104,10 @@ void Program::set(const char* name, glm::vec4 v) const {
     glProgramUniform4fv(id(), glGetUniformLocation(id(), name), 1, glm::value_ptr(v));
 }
 
+void Program::set(const char* name, glm::ivec4 v) const {
+    glProgramUniform4iv(id(), glGetUniformLocation(id(), name), 1, glm::value_ptr(v));
+}
+
 void Program::set(const char* name, const glm::mat3& v) const {
     glProgramUniformMatrix3fv(id(), glGetUniformLocation(id(), name), 1, GL_FALSE,
                               glm::value_ptr(v));

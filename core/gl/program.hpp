@@ -40,6 +40,7 @@ class Program : public Handle<ProgramTraits> {
     void set(const char* name, glm::vec2 v) const;
     void set(const char* name, glm::vec3 v) const;
     void set(const char* name, glm::vec4 v) const;
+    void set(const char* name, glm::ivec4 v) const;
     void set(const char* name, const glm::mat3& v) const;
     void set(const char* name, const glm::mat4& v) const;
     /// Sets `p_<id>` from every parameter: float, int and bool as themselves, choices as index.

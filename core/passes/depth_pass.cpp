@@ -1,5 +1,6 @@
 #include "core/passes/depth_pass.hpp"
 
+#include <algorithm>
 #include <array>
 
 namespace penumbra {
@@ -19,13 +20,28 @@ void DepthPass::render(const Frame& frame, const LightView& view, int size) {
     render(frame, std::span(&view, 1), size);
 }
 
-void DepthPass::render(const Frame& frame, std::span<const LightView> views, int size) {
+void DepthPass::allocate(int layers, std::size_t tiles, int size, int keptLayers) {
+    if (map_.width() == size && map_.layers() >= layers && view_.tiles.size() == tiles) return;
+    // Allocated by half more than there was, so that what is kept is copied a few times at most.
+    GLint mostLayers = 0;
+    glGetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &mostLayers);
+    if (keptLayers > 0)
+        layers = std::min(std::max(layers, keptLayers + keptLayers / 2), mostLayers);
+    gl::Texture grown = gl::Texture::createArray(GL_DEPTH_COMPONENT32F, size, size, layers);
+    if (keptLayers > 0)
+        glCopyImageSubData(map_.id(), GL_TEXTURE_2D_ARRAY, 0, 0, 0, 0, grown.id(),
+                           GL_TEXTURE_2D_ARRAY, 0, 0, 0, 0, size, size, keptLayers);
+    map_ = std::move(grown);
+}
+
+void DepthPass::render(const Frame& frame, std::span<const LightView> views, int size,
+                       int firstView) {
     const gl::DebugGroup group("depth pass");
     const std::size_t tiles = views[0].tiles.size();
     const int layers = static_cast<int>(views.size() * tiles);
-    if (map_.width() != size || map_.layers() < layers || view_.tiles.size() != tiles)
-        map_ = gl::Texture::createArray(GL_DEPTH_COMPONENT32F, size, size, layers);
-    view_ = views[0];
+    const int firstLayer = firstView * static_cast<int>(tiles);
+    allocate(firstLayer + layers, tiles, size, firstLayer);
+    if (firstView == 0) view_ = views[0];
 
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_GREATER);
@@ -39,7 +55,8 @@ void DepthPass::render(const Frame& frame, std::span<const LightView> views, int
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());
     program_.use();
     for (int layer = 0; layer < layers; ++layer) {
-        glNamedFramebufferTextureLayer(framebuffer_.id(), GL_DEPTH_ATTACHMENT, map_.id(), 0, layer);
+        glNamedFramebufferTextureLayer(framebuffer_.id(), GL_DEPTH_ATTACHMENT, map_.id(), 0,
+                                       firstLayer + layer);
         constexpr float kNothing = 0.0f;
         glClearNamedFramebufferfv(framebuffer_.id(), GL_DEPTH, 0, &kNothing);
         const auto index = static_cast<std::size_t>(layer);

@@ -18,9 +18,10 @@ class DepthPass {
 
     /// Renders all casters into `size` x `size` texels per tile. Sets all GL state it needs.
     void render(const Frame& frame, const LightView& view, int size);
-    /// Several views of equally many tiles: tile t of view i into layer i * tiles + t. view() and
-    /// bind are the first one's. Layers that a greater number of views left behind are kept.
-    void render(const Frame& frame, std::span<const LightView> views, int size);
+    /// Several views of equally many tiles: tile t of view i into layer (firstView + i) * tiles +
+    /// t. view() and bind are the first one's. Other layers are kept; with `firstView` the views
+    /// before it have been rendered in the same size, and an array that grows does so by half.
+    void render(const Frame& frame, std::span<const LightView> views, int size, int firstView = 0);
 
     const gl::Texture& map() const { return map_; }
     const LightView& view() const { return view_; }
@@ -30,6 +31,8 @@ class DepthPass {
     void bind(const gl::Program& program, GLuint unit) const;
 
   private:
+    void allocate(int layers, std::size_t tiles, int size, int keptLayers);
+
     gl::Program program_;
     gl::Texture map_;
     gl::Framebuffer framebuffer_;

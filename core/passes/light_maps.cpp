@@ -3,16 +3,6 @@
 #include <algorithm>
 
 namespace penumbra {
-namespace {
-
-/// LightSample of shaders/common/light_maps.glsl, std140.
-struct GpuSample {
-    glm::vec4 shift;
-    glm::vec4 offsetWeight;
-};
-
-}  // namespace
-
 LightMaps::LightMaps(bool alphaMask)
     : depth_(alphaMask),
       sampleBuffer_(
@@ -33,31 +23,52 @@ std::size_t LightMaps::capacity() const {
 }
 
 void LightMaps::render(const Frame& frame, std::span<const LightSample> samples) {
+    samples_.clear();
+    append(frame, samples);
+}
+
+void LightMaps::append(const Frame& frame, std::span<const LightSample> samples) {
     const LightView centre = views_.from(glm::dvec2(0.0));
     const LightTile& front = centre.tiles[0];
     const glm::dvec2 texelsPerTangent = static_cast<double>(size_) / front.tangentSize();
+    const int before = count();
     std::vector<LightView> views;
-    std::vector<GpuSample> records;
-    weight_ = 0.0f;
     for (const LightSample& sample : samples) {
         const LightView& view = views.emplace_back(views_.from(sample.offsetM));
         const glm::dvec2 frustumShift = front.tangentLo - view.tiles[0].tangentLo;
-        records.push_back({glm::vec4(glm::dvec4(frustumShift * texelsPerTangent,
-                                                -sample.offsetM * texelsPerTangent)),
-                           glm::vec4(glm::vec3(view.centre - centre.centre), sample.weight)});
-        weight_ += sample.weight;
+        samples_.push_back({glm::vec4(glm::dvec4(frustumShift * texelsPerTangent,
+                                                 -sample.offsetM * texelsPerTangent)),
+                            glm::vec4(glm::vec3(view.centre - centre.centre), sample.weight)});
     }
-    count_ = static_cast<int>(samples.size());
+    upload();
+    depth_.render(frame, views, size_, before);
+}
+
+void LightMaps::setWeights(std::span<const float> weights) {
+    for (std::size_t i = 0; i < samples_.size(); ++i) samples_[i].offsetWeight.w = weights[i];
+    upload();
+}
+
+void LightMaps::upload() {
     glNamedBufferSubData(sampleBuffer_.id(), 0,
-                         static_cast<GLsizeiptr>(records.size() * sizeof(GpuSample)),
-                         records.data());
-    depth_.render(frame, views, size_);
+                         static_cast<GLsizeiptr>(samples_.size() * sizeof(GpuSample)),
+                         samples_.data());
+    select(0, count());
+}
+
+void LightMaps::select(int first, int count) {
+    first_ = first;
+    count_ = count;
+    weight_ = 0.0f;
+    for (int i = first; i < first + count; ++i)
+        weight_ += samples_[static_cast<std::size_t>(i)].offsetWeight.w;
 }
 
 void LightMaps::bind(const gl::Program& program) const {
     depth_.map().bind(0);
     setLightView(program, views_.from(glm::dvec2(0.0)), size_);
     glBindBufferBase(GL_UNIFORM_BUFFER, 1, sampleBuffer_.id());
+    program.set("firstLightSample", first_);
     program.set("lightSampleCount", count_);
     program.set("lightSampleWeight", weight_);
 }

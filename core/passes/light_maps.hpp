@@ -31,10 +31,20 @@ class LightMaps {
     /// Replaces the array's maps by those of `samples`, at most capacity() of them. Nothing is read
     /// back: the calls only queue work.
     void render(const Frame& frame, std::span<const LightSample> samples);
+    /// Adds the maps of `samples` after those in the array, capacity() of them in all at most.
+    void append(const Frame& frame, std::span<const LightSample> samples);
+    /// Replaces the weights of all samples, one each in their order.
+    void setWeights(std::span<const float> weights);
+    /// Only samples first to first + count - 1 are looked up and weighed from here on; render,
+    /// append and setWeights select all.
+    void select(int first, int count);
     /// Sets the uniforms of shaders/common/light_maps.glsl on `program` (in use), binds the array
     /// to texture unit 0 and the samples to uniform buffer 1.
     void bind(const gl::Program& program) const;
 
+    int count() const { return static_cast<int>(samples_.size()); }
+    float weight() const { return weight_; }  ///< of all that are selected
+    LightView centre() const { return views_.from(glm::dvec2(0.0)); }
     int tileCount() const { return static_cast<int>(views_.tileCount()); }
     double mebibytes() const { return depth_.map().mebibytes(); }
 
@@ -42,11 +52,19 @@ class LightMaps {
     static constexpr double kMaxMebibytes = 256.0;
 
   private:
+    /// LightSample of shaders/common/light_maps.glsl, std140.
+    struct GpuSample {
+        glm::vec4 shift;
+        glm::vec4 offsetWeight;
+    };
+    void upload();
+
     TranslatedViews views_;
     int size_ = 0;
     DepthPass depth_;
     gl::Buffer sampleBuffer_;
-    int count_ = 0;
+    std::vector<GpuSample> samples_;
+    int first_ = 0, count_ = 0;
     float weight_ = 0.0f;
 };
 

@@ -1,7 +1,8 @@
 // Lookups in maps from several points of the light (core/passes/light_maps.hpp). Their image planes
 // are parallel, so a receiver's z, its s and its plane's slope but for one factor are the same in all
 // of them: a map costs one division and one fetch. LIGHT_MAPS_PCF: four comparisons, weighted as the
-// receiver lies between their texels.
+// receiver lies between their texels. LIGHT_MAPS_KERNEL n: n x n of them, 3 or 5, which a box of n - 1
+// texels around the receiver covers.
 #include "common/light_view.glsl"
 
 #ifdef STAGE_FRAGMENT
@@ -11,8 +12,10 @@ struct LightSample {
     vec4 offsetWeight;  // the point's offset from the light's centre, metres; its weight
 };
 layout(std140, binding = 1) uniform LightSamples { LightSample lightSamples[kMaxLightSamples]; };
-uniform int lightSampleCount;
-uniform float lightSampleWeight;  // of all of them
+uniform int firstLightSample;     // looked up are this one and those after it,
+uniform int lightSampleCount;     // so many
+uniform float lightSampleWeight;  // of all that are looked up
+uniform int decidingSamples;      // how many of the first decide where they agree; 0: none
 
 // A receiver as every point of the light sees it.
 struct Receiver {
@@ -35,13 +38,26 @@ Receiver receiverOf(LightPoint point, vec3 position, vec3 normal) {
 // in any order.
 vec2 weightsBetween(vec2 fraction) { return floor(32.0 * fraction + 0.5) / 32.0; }
 
-// litAt of common/light_view.glsl in map i, the plane followed to every texel asked; 0 where the
-// map's point of the light is below the receiver's horizon, whose own surface is in the way. Views
-// hold every receiver with a margin of one texel, so that no texel asked lies outside.
-float litFrom(Receiver r, int i) {
+// Where map i has the receiver, texels. Views hold every receiver with a margin of one texel, so that
+// its texel and those beside it are inside.
+vec2 placeIn(Receiver r, int i) {
     vec4 shift = lightSamples[i].shift;
-    vec2 place = r.texel + (shift.xy + shift.zw * r.inverseZ);
-    float k = r.k + dot(r.slope, shift.zw);
+    return r.texel + (shift.xy + shift.zw * r.inverseZ);
+}
+
+#ifdef LIGHT_MAPS_KERNEL
+// How much of a texel's width the box covers; texel 0 is the first of LIGHT_MAPS_KERNEL.
+float coverage(int texel, float weight) {
+    return texel == 0 ? 1.0 - weight : texel == LIGHT_MAPS_KERNEL - 1 ? weight : 1.0;
+}
+const float kBoxArea = float((LIGHT_MAPS_KERNEL - 1) * (LIGHT_MAPS_KERNEL - 1));
+#endif
+
+// litAt of common/light_view.glsl in map i, the plane followed to every texel asked; 0 where the
+// map's point of the light is below the receiver's horizon, whose own surface is in the way.
+float litFrom(Receiver r, int i) {
+    vec2 place = placeIn(r, i);
+    float k = r.k + dot(r.slope, lightSamples[i].shift.zw);
     float steepness = tileNear[0] / k;
 #ifdef LIGHT_MAPS_PCF
     vec2 first = floor(place - 0.5), weight = weightsBetween(place - 0.5 - first);
@@ -52,6 +68,20 @@ float litFrom(Receiver r, int i) {
     vec4 lit = vec4(lessThanEqual(caster, (r.s + max(rise, 0.0)) * r.biasScale));
     vec2 rows = mix(lit.wx, lit.zy, weight.x);
     float v = mix(rows.x, rows.y, weight.y);
+#elif defined(LIGHT_MAPS_KERNEL)
+    vec2 corner = place - 0.5 * float(LIGHT_MAPS_KERNEL - 1);
+    vec2 first = floor(corner), weight = weightsBetween(corner - first);
+    float v = 0.0;
+    for (int y = 0; y < LIGHT_MAPS_KERNEL; ++y)
+        for (int x = 0; x < LIGHT_MAPS_KERNEL; ++x) {
+            vec2 texel = first + vec2(x, y);
+            float rise = steepness * dot(r.slope, texel + 0.5 - place);
+            ivec2 inside = clamp(ivec2(texel), ivec2(0), ivec2(mapSize - 1));
+            float caster = texelFetch(shadowMap, ivec3(inside, i), 0).r;
+            if (caster <= (r.s + max(rise, 0.0)) * r.biasScale)
+                v += coverage(x, weight.x) * coverage(y, weight.y);
+        }
+    v /= kBoxArea;
 #else
     vec2 texel = floor(place);
     float rise = steepness * dot(r.slope, texel + 0.5 - place);
@@ -74,24 +104,52 @@ float litFromHalfCube(vec3 position, vec3 normal, int i) {
     return mix(mix(litAt(point, corner), litAt(point, corner + vec2(texel, 0)), weight.x),
                mix(litAt(point, corner + vec2(0, texel)), litAt(point, corner + texel), weight.x),
                weight.y);
+#elif defined(LIGHT_MAPS_KERNEL)
+    vec2 corner = point.uv * float(mapSize) - 0.5 * float(LIGHT_MAPS_KERNEL - 1);
+    vec2 weight = weightsBetween(fract(corner));
+    float v = 0.0;
+    for (int y = 0; y < LIGHT_MAPS_KERNEL; ++y)
+        for (int x = 0; x < LIGHT_MAPS_KERNEL; ++x)
+            v += coverage(x, weight.x) * coverage(y, weight.y) *
+                 litAt(point, (floor(corner) + vec2(x, y) + 0.5) / float(mapSize));
+    return v / kBoxArea;
 #else
     return litAt(point, point.uv);
 #endif
 }
 
-// Weighted sum over all samples of the receiver's hard visibilities.
+// Adds samples `begin` to `end` - 1: to `sum` weighted, to `lit` not.
+void addLit(LightPoint centre, vec3 position, vec3 normal, int begin, int end, inout float sum,
+            inout float lit) {
+    if (tileCount > 1) {
+        for (int i = begin; i < end; ++i) {
+            float v = litFromHalfCube(position, normal, i);
+            sum += lightSamples[i].offsetWeight.w * v;
+            lit += v;
+        }
+    } else {
+        Receiver receiver = receiverOf(centre, position, normal);
+        for (int i = begin; i < end; ++i) {
+            float v = litFrom(receiver, i);
+            sum += lightSamples[i].offsetWeight.w * v;
+            lit += v;
+        }
+    }
+}
+
+// Weighted sum over all samples of the receiver's hard visibilities; where the first
+// `decidingSamples` all agree, the others are taken to agree, too.
 float litSum(vec3 position, vec3 normal) {
     LightPoint centre = lightPoint(position, normal);
     if (!centre.inFront) return lightSampleWeight;
-    float sum = 0.0;
-    if (tileCount > 1) {
-        for (int i = 0; i < lightSampleCount; ++i)
-            sum += lightSamples[i].offsetWeight.w * litFromHalfCube(position, normal, i);
-    } else {
-        Receiver receiver = receiverOf(centre, position, normal);
-        for (int i = 0; i < lightSampleCount; ++i)
-            sum += lightSamples[i].offsetWeight.w * litFrom(receiver, i);
+    float sum = 0.0, lit = 0.0;
+    addLit(centre, position, normal, firstLightSample, firstLightSample + decidingSamples, sum, lit);
+    if (decidingSamples > 0) {
+        if (lit == 0.0) return 0.0;
+        if (lit == float(decidingSamples)) return lightSampleWeight;
     }
+    addLit(centre, position, normal, firstLightSample + decidingSamples,
+           firstLightSample + lightSampleCount, sum, lit);
     return sum;
 }
 #endif

@@ -1,0 +1,454 @@
+// Adaptive light sampling: hard maps from the light's corners are compared at the camera's pixels,
+// and where too many pixels differ that part of the light is split in four (a linear light's in
+// two), which adds maps in between; the maps reached are weighed and averaged (Schwaerzler 2009,
+// "Real-Time Soft Shadows with Adaptive Light Source Sampling"; METHODS.md 12). Small penumbrae get
+// few maps, great ones all the lattice. It fails where no corner tells what lies between: casters
+// that hide none of them, and in the paper's own form those that hide two opposite ones alike or
+// shadows of few pixels; and what it saves in maps it pays in comparisons, unless these share the
+// evaluation's fetches or are made at few pixels.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/passes/accumulation_buffer.hpp"
+#include "core/passes/light_maps.hpp"
+#include "core/passes/map_comparison.hpp"
+#include "core/sampling/light_tree.hpp"
+#include "methods/shadow_method.hpp"
+
+namespace penumbra {
+namespace {
+
+class AdaptiveLightSampled : public ShadowMethod {
+    FloatParameter epsilon_{this,
+                            "epsilon",
+                            0.1,
+                            0.0,
+                            1e6,
+                            "",
+                            "a part of the light is split unless what the criterion makes of the "
+                            "pixels that differ between its maps is less; 0 splits all"};
+    IntParameter maxDepth_{this, "max_depth", 3, 0, 7, "", "how often the light is split"};
+    IntParameter maxMaps_{this,
+                          "max_maps",
+                          81,
+                          4,
+                          256,
+                          "",
+                          "where they do not suffice, parts that differ most are split first"};
+    ChoiceParameter compare_{
+        this,
+        "compare",
+        {"tight", "absolute", "relative", "symmetric"},
+        "what of two maps is compared: shadow tests; depths, to gamma times that of the farthest "
+        "receiver (eq. 3), to gamma of the second (eq. 7), or to gamma of the greater"};
+    FloatParameter gamma_{this, "gamma", 0.01, 0.0, 1e6, "", "how much equal depths may differ"};
+    ChoiceParameter criterion_{
+        this,
+        "criterion",
+        {"visibility", "worst_tile", "compared_pixels", "map_texels"},
+        "the share of pixels that differ: in the tile where it is greatest, its root times the "
+        "part's share of the light, which is the rms error the part may make there, or itself; of "
+        "all pixels compared; or, as in the paper's eq. 4, of the map's texels"};
+    IntParameter tile_{this, "tile", 64, 8, 4096, "pixels", "side of a tile"};
+    ChoiceParameter pairs_{this,
+                           "pairs",
+                           {"all", "diagonals"},
+                           "all four corners are compared with each other, or, as in the paper, "
+                           "opposite ones"};
+    BoolParameter centreTest_{this, "centre_test", true,
+                              "each part of the light has a map amid it, too, that is compared "
+                              "with its corners' and counts half of the part"};
+    ChoiceParameter space_{
+        this,
+        "space",
+        {"camera", "light"},
+        "maps are compared at the camera's pixels, or at what the light's centre sees"};
+    ChoiceParameter weights_{
+        this,
+        "weights",
+        {"leaf_area", "local_depth", "equal"},
+        "what a map counts: its share of its parts' areas, the paper's eqs 5 and 6, or all alike"};
+    ChoiceParameter countBy_{
+        this,
+        "count_by",
+        {"bits", "queries"},
+        "shadow tests are kept as bits, so that a map is looked up once for all comparisons (tight "
+        "ones in the camera's space only), or each comparison is an occlusion query"};
+    IntParameter stride_{
+        this, "stride", 4, 1, 64, "pixels", "of so many pixels in a row or column one is compared"};
+    ChoiceParameter evaluation_{this,
+                                "evaluation",
+                                {"array", "buffer", "bits"},
+                                "all maps are read in one pass, or added to a buffer one by one, "
+                                "or visibility follows from "
+                                "the comparisons' bits (where all pixels have them, else array)"};
+    BoolParameter skipDecided_{this, "skip_decided", false,
+                               "pixels on which the light's corners, edges' middles and centre "
+                               "agree are not looked up in the other maps; casters that hide none "
+                               "of these nine leave specks"};
+    BoolParameter reuse_{this, "reuse", false,
+                         "refinement starts where the previous frame's ended, less what that could "
+                         "have done without; the image then depends on the frames before"};
+    ChoiceParameter pcf_{this,
+                         "pcf",
+                         {"off", "2x2", "3x3", "5x5"},
+                         "comparisons per map, weighted as the receiver lies between their texels"};
+    IntParameter mapSize_{this, "map_size", 512, 16, 16384, "texels", "side of each shadow map"};
+    FloatParameter bias_{this,
+                         "bias",
+                         0.5,
+                         0.0,
+                         64.0,
+                         "texels",
+                         "how far towards the light a receiver is moved before the comparison, in "
+                         "texel footprints at its depth"};
+
+  public:
+    Traits traits() const override {
+        return {{Effect::penumbra, Effect::self_shadow, Effect::thin_casters,
+                 Effect::layered_casters, Effect::alpha_mask, Effect::moving_light,
+                 Effect::moving_casters, Effect::moving_camera}};
+    }
+
+    std::vector<Assignments> ladder() const override {
+        return {{{"epsilon", "0.5"}, {"map_size", "256"}, {"centre_test", "false"}},
+                {{"epsilon", "0.2"}},
+                {{"epsilon", "0.08"}, {"pcf", "2x2"}},
+                {{"epsilon", "0.04"}, {"pcf", "2x2"}},
+                {{"epsilon", "0.01"}, {"max_depth", "4"}, {"max_maps", "256"}, {"pcf", "2x2"}}};
+    }
+
+    void prepare(const Scene&, const Plan& plan) override {
+        maps_ = LightMaps(plan.has(Effect::alpha_mask));
+        oneMap_ = gl::Program::graphics("light_sampled.glsl", {"PASS_ONE_MAP"});
+        if (!plan.has(Effect::penumbra)) return;
+        all_ = evaluation("light_sampled.glsl", "PASS_ALL");
+        if (bits()) {
+            mark_ = gl::Program::graphics("adaptive_light_sampled.glsl", {"PASS_MARK_BITS"});
+        } else {
+            differ_ = gl::Program::graphics("adaptive_light_sampled.glsl", comparisonDefines());
+            if (space_.is("light")) centreMap_ = DepthPass(plan.has(Effect::alpha_mask));
+        }
+        if (shadedFromBits())
+            shadeBits_ = evaluation("adaptive_light_sampled.glsl", "PASS_SHADE_BITS");
+        if (!evaluation_.is("buffer")) return;
+        add_ = evaluation("light_sampled.glsl", "PASS_ADD");
+        resolve_ = evaluation("light_sampled.glsl", "PASS_RESOLVE");
+    }
+
+    void build(const Frame& frame, const Plan& plan) override {
+        hard_ = !plan.has(Effect::penumbra) || frame.light.isPoint();
+        builtFor_ = frame.camera;
+        denied_ = 0;
+        maps_.fit(frame, mapSize_, !hard_);
+        if (hard_) return maps_.render(frame, std::vector<LightSample>(1));
+        const gl::DebugGroup group("adaptive_light_sampled: refine");
+        refine(frame);
+        maps_.setWeights(finalWeights());
+    }
+
+    void shade(const Frame& frame, const Plan& plan, const VisibilityTarget& target) override {
+        // Light space may have stayed as it was while the camera, which refinement depends on,
+        // moved.
+        if (!hard_ && space_.is("camera") && !(builtFor_ == frame.camera)) build(frame, plan);
+        if (!hard_ && evaluation_.is("buffer")) return accumulate(frame, target);
+        const gl::DebugGroup group("adaptive_light_sampled: evaluate");
+        const bool fromBits = !hard_ && shadedFromBits();
+        const gl::Program& program = hard_ ? oneMap_ : fromBits ? shadeBits_ : all_;
+        drawn(program);
+        program.set("decidingSamples", hard_ ? 0 : decidingSamples(frame));
+        if (fromBits) bits_.bind();
+        target.draw(program, frame.gbufferTextures);
+    }
+
+    WorkCounters counters() const override {
+        const int maps = maps_.count() * maps_.tileCount() + centreMap_.map().layers();
+        const double texels = static_cast<double>(mapSize_) * mapSize_;
+        return {
+            maps, maps * texels,
+            maps_.mebibytes() + centreMap_.map().mebibytes() + sum_.mebibytes() + bits_.mebibytes(),
+            hard_ ? "" : reached()};
+    }
+
+  private:
+    bool bits() const { return countBy_.is("bits") && compare_.is("tight") && space_.is("camera"); }
+    bool shadedFromBits() const { return bits() && evaluation_.is("bits") && stride_ == 1; }
+
+    /// The first samples are the root's corners, then those of its parts.
+    int decidingSamples(const Frame& frame) const {
+        const bool linear = frame.light.halfU == 0.0 || frame.light.halfV == 0.0;
+        const int first = linear ? 3 : 9;
+        return skipDecided_ && samples() > first ? first : 0;
+    }
+
+    gl::Program evaluation(const char* file, const char* pass) const {
+        std::vector<std::string> defines = {pass};
+        if (pcf_.is("2x2")) defines.emplace_back("LIGHT_MAPS_PCF");
+        if (pcf_.is("3x3")) defines.emplace_back("LIGHT_MAPS_KERNEL 3");
+        if (pcf_.is("5x5")) defines.emplace_back("LIGHT_MAPS_KERNEL 5");
+        return gl::Program::graphics(file, defines);
+    }
+
+    std::vector<std::string> comparisonDefines() const {
+        std::vector<std::string> defines = {
+            "PASS_COMPARE", pairs_.is("all") ? "COMPARED_MAPS 4" : "COMPARED_MAPS 2"};
+        const char* const kinds[] = {"COMPARE_TIGHT", "COMPARE_ABSOLUTE", "COMPARE_RELATIVE",
+                                     "COMPARE_SYMMETRIC"};
+        defines.emplace_back(kinds[compare_.index()]);
+        if (space_.is("light")) defines.emplace_back("LIGHT_SPACE");
+        return defines;
+    }
+
+    void drawn(const gl::Program& program) const {
+        program.use();
+        maps_.bind(program);
+        program.set("biasTexels", static_cast<float>(bias_));
+    }
+
+    /// A part of the light and what its maps differ by, as epsilon bounds it.
+    struct Part {
+        std::size_t index = 0;  ///< among the tree's leaves, if it is one
+        LightTree::Leaf leaf;
+        double error = 0.0;
+    };
+
+    /// Level by level: maps of new samples are rendered and all parts of the light that are new
+    /// compared before the first result is asked for.
+    void refine(const Frame& frame) {
+        const glm::bvec2 extent(frame.light.halfU > 0.0, frame.light.halfV > 0.0);
+        tree_ = LightTree(extent, maxDepth_);
+        // Four corners are the least that there is, whatever memory they take.
+        const auto most = static_cast<int>(std::max<std::size_t>(
+            4, std::min(static_cast<std::size_t>(maxMaps_), maps_.capacity())));
+        if (space_.is("light")) centreMap_.render(frame, maps_.centre(), mapSize_);
+        if (reuse_ && extent == extent_) replay(most);
+        std::vector<LightTree::Leaf> superfluous;
+        std::vector<std::size_t> level(tree_.leaves().size());
+        std::iota(level.begin(), level.end(), std::size_t{0});
+        for (int known = 0; !level.empty(); known = maps_.count()) {
+            std::vector<Part> parts;
+            for (const std::size_t index : level) {
+                if (!tree_.canSplit(tree_.leaves()[index])) continue;
+                if (centreTest_ && samples() < most) tree_.addCentre(index);
+                parts.push_back({index, tree_.leaves()[index]});
+            }
+            render(frame, known);
+            const std::size_t leaves = parts.size();
+            if (reuse_ && known == 0)
+                for (const LightTree::Leaf& twig : tree_.inner())
+                    if (tree_.isTwig(twig)) parts.push_back({0, twig});
+            judge(frame, parts, known);
+            for (std::size_t i = leaves; i < parts.size(); ++i)
+                if (parts[i].error < epsilon_) superfluous.push_back(parts[i].leaf);
+            parts.resize(leaves);
+            level = split(std::move(parts), most);
+        }
+        if (reuse_) remember(extent, superfluous);
+    }
+
+    /// The previous frame's splits again.
+    void replay(int most) {
+        for (const LightTree::Leaf& part : before_) {
+            const std::size_t leaf = tree_.find(part.low, part.depth);
+            if (leaf == tree_.leaves().size() || samples() + tree_.samplesIfSplit(leaf) > most)
+                continue;
+            if (centreTest_) tree_.addCentre(leaf);
+            tree_.split(leaf);
+        }
+    }
+
+    /// This frame's splits, but for those that it could have done without.
+    void remember(glm::bvec2 extent, const std::vector<LightTree::Leaf>& superfluous) {
+        extent_ = extent;
+        before_.clear();
+        for (const LightTree::Leaf& part : tree_.inner()) {
+            const bool dropped = std::ranges::any_of(superfluous, [&](const auto& twig) {
+                return twig.low == part.low && twig.depth == part.depth && tree_.isTwig(part);
+            });
+            if (!dropped) before_.push_back(part);
+        }
+    }
+
+    int samples() const { return static_cast<int>(tree_.sampleCount()); }
+
+    /// Renders the maps of all samples after the first `known`.
+    void render(const Frame& frame, int known) {
+        const glm::dvec2 halfM(frame.light.halfU, frame.light.halfV);
+        std::vector<LightSample> added;
+        for (int i = known; i < samples(); ++i)
+            added.push_back({tree_.position(static_cast<std::size_t>(i)) * halfM, 1.0f});
+        if (known == 0)
+            maps_.render(frame, added);
+        else if (!added.empty())
+            maps_.append(frame, added);
+    }
+
+    void judge(const Frame& frame, std::vector<Part>& parts, int known) {
+        std::vector<MapComparison> comparisons;
+        std::vector<std::size_t> partOf;
+        for (std::size_t i = 0; i < parts.size(); ++i)
+            for (const MapComparison& comparison : comparisonsOf(parts[i].leaf)) {
+                comparisons.push_back(comparison);
+                partOf.push_back(i);
+            }
+        const TileGrid tiles = tileGrid(frame);
+        const std::vector<std::uint64_t> counts = differing(frame, comparisons, tiles, known);
+        const double whole = pixelsThatMayDiffer(frame, tiles);
+        for (std::size_t i = 0; i < counts.size(); ++i) {
+            Part& part = parts[partOf[i / tiles.count()]];
+            double error = static_cast<double>(counts[i]) / whole;
+            if (criterion_.is("visibility")) error = std::sqrt(error) * tree_.area(part.leaf);
+            part.error = std::max(part.error, error);
+        }
+    }
+
+    std::vector<MapComparison> comparisonsOf(const LightTree::Leaf& leaf) const {
+        const auto& [a, b, c, d] = leaf.corners;
+        std::vector<MapComparison> comparisons;
+        if (pairs_.is("all")) {
+            comparisons.push_back({a, b, c, d});
+        } else {
+            comparisons.push_back({a, d, a, d});
+            if (a != b && a != c) comparisons.push_back({b, c, b, c});
+        }
+        if (leaf.centre >= 0) comparisons.push_back({a, leaf.centre, a, leaf.centre});
+        return comparisons;
+    }
+
+    bool byTile() const { return criterion_.is("visibility") || criterion_.is("worst_tile"); }
+
+    /// Tiles of the pixels compared.
+    TileGrid tileGrid(const Frame& frame) const {
+        TileGrid tiles{mapSize_, mapSize_, 0};
+        if (space_.is("camera")) {
+            tiles.width = (frame.width() + stride_ - 1) / stride_;
+            tiles.height = (frame.height() + stride_ - 1) / stride_;
+        }
+        const int longer = std::max(tiles.width, tiles.height);
+        const int step = space_.is("camera") ? stride_ : 1;
+        tiles.side = byTile() ? std::clamp(tile_ / step, 1, longer) : longer;
+        return tiles;
+    }
+
+    /// What the count of a comparison and tile is divided by.
+    double pixelsThatMayDiffer(const Frame& frame, const TileGrid& tiles) const {
+        if (byTile()) return static_cast<double>(tiles.side) * tiles.side;
+        const double texels = static_cast<double>(mapSize_) * mapSize_;
+        if (space_.is("light")) return texels;
+        // Eq. 4 is about all pixels, of which each that is compared stands for several.
+        if (criterion_.is("map_texels")) return texels / (stride_ * stride_);
+        return std::max(1, receiversAmong(frame.gbuffer, stride_));
+    }
+
+    /// Pixels that differ, by comparison and tile; with bits new maps' tests are added to them.
+    std::vector<std::uint64_t> differing(const Frame& frame,
+                                         const std::vector<MapComparison>& comparisons,
+                                         const TileGrid& tiles, int known) {
+        const gl::DebugGroup group("adaptive_light_sampled: compare");
+        if (bits()) {
+            if (!bits_.holds(tiles.width, tiles.height))
+                bits_ = ShadowBits(tiles.width, tiles.height);
+            maps_.select(known, maps_.count() - known);
+            drawn(mark_);
+            mark_.set("stride", stride_);
+            return bits_.mark(mark_, frame.gbufferTextures, comparisons, tiles);
+        }
+        if (comparisons.empty()) return {};
+        if (target_.width() != tiles.width || target_.height() != tiles.height)
+            target_ = BlankTarget(tiles.width, tiles.height);
+        drawn(differ_);
+        differ_.set(*this);
+        differ_.set("stride", stride_);
+        differ_.set("depthUnitM", static_cast<float>(frame.lightBounds.whole.receiverFarM));
+        constexpr GLuint kCentreMapUnit = 2;
+        const bool fromCentre = space_.is("light");
+        if (fromCentre) centreMap_.map().bind(kCentreMapUnit);
+        return queries_.count(target_, frame.gbufferTextures, comparisons, tiles,
+                              fromCentre ? maps_.tileCount() : 1,
+                              [&](const MapComparison& comparison, int draw) {
+                                  differ_.set("compared", comparison);
+                                  differ_.set("centreTile", draw);
+                              });
+    }
+
+    /// Splits what differs by epsilon or more; returns the new leaves.
+    std::vector<std::size_t> split(std::vector<Part> parts, int most) {
+        std::erase_if(parts, [&](const Part& part) { return part.error < epsilon_; });
+        std::ranges::stable_sort(parts, std::ranges::greater{}, &Part::error);
+        std::vector<std::size_t> level;
+        for (const Part& part : parts) {
+            if (samples() + tree_.samplesIfSplit(part.index) > most) {
+                ++denied_;
+                continue;
+            }
+            level.push_back(part.index);
+            const std::size_t first = tree_.leaves().size();
+            tree_.split(part.index);
+            for (std::size_t i = first; i < tree_.leaves().size(); ++i) level.push_back(i);
+        }
+        return level;
+    }
+
+    /// Scaled so that leaf areas are whole numbers and equals 1, whose sums are exact.
+    std::vector<float> finalWeights() const {
+        using enum LightTreeWeights;
+        const LightTreeWeights kind = weights_.is("leaf_area")     ? leafArea
+                                      : weights_.is("local_depth") ? localDepth
+                                                                   : equal;
+        const std::vector<double> weights = tree_.weights(kind);
+        const double finest = std::exp2(2 * tree_.deepest() + 3);
+        const double scale = kind == leafArea ? finest : 1.0 / std::ranges::min(weights);
+        std::vector<float> scaled;
+        for (const double weight : weights) scaled.push_back(static_cast<float>(scale * weight));
+        return scaled;
+    }
+
+    void accumulate(const Frame& frame, const VisibilityTarget& target) {
+        const gl::DebugGroup group("adaptive_light_sampled: accumulate");
+        if (sum_.width() != target.width() || sum_.height() != target.height())
+            sum_ = AccumulationBuffer(target.width(), target.height());
+        sum_.clear();
+        for (int i = 0; i < maps_.count(); ++i) {
+            maps_.select(i, 1);
+            drawn(add_);
+            sum_.add(add_, frame.gbufferTextures);
+        }
+        maps_.select(0, maps_.count());
+        resolve_.use();
+        resolve_.set("totalWeight", maps_.weight());
+        sum_.sum().bind(0);
+        target.draw(resolve_, frame.gbufferTextures);
+    }
+
+    /// What the tree came to and what stopped it.
+    std::string reached() const {
+        const auto deepest = std::ranges::count_if(
+            tree_.leaves(), [&](const auto& leaf) { return !tree_.canSplit(leaf); });
+        return fmt::format("{} maps; {} of {} parts at max_depth, {} refused by max_maps",
+                           samples(), deepest, tree_.leaves().size(), denied_);
+    }
+
+    LightMaps maps_;
+    DepthPass centreMap_;
+    LightTree tree_;
+    BlankTarget target_;
+    QueriedComparison queries_;
+    ShadowBits bits_;
+    AccumulationBuffer sum_;
+    gl::Program oneMap_, all_, add_, resolve_, differ_, mark_, shadeBits_;
+    Camera builtFor_;
+    std::vector<LightTree::Leaf> before_;  ///< what the previous frame split, in its order
+    glm::bvec2 extent_{false};             ///< of that frame's light
+    int denied_ = 0;
+    bool hard_ = false;
+};
+
+const Register<AdaptiveLightSampled> entry{"adaptive_light_sampled", "Adaptive light sampling",
+                                           "Schwaerzler 2009"};
+
+}  // namespace
+}  // namespace penumbra

@@ -1,0 +1,522 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/error.hpp"
+#include "core/gl/work_counter.hpp"
+#include "harness/reference/exact.hpp"
+#include "tests/methods/test_worlds.hpp"
+#include "tests/support/gl_fixture.hpp"
+
+namespace penumbra {
+namespace {
+
+using namespace test;
+
+const std::string kId = "adaptive_light_sampled";
+
+class AdaptiveLightSampled : public GlTest {};
+
+Assignments with(Assignments settings, const Assignments& more) {
+    settings.insert(settings.end(), more.begin(), more.end());
+    return settings;
+}
+
+/// An image and what the row would say of it.
+struct Outcome {
+    Image image;
+    WorkCounters counters;
+    int maps = 0;  ///< without the centre's
+};
+
+Outcome outcome(const TestFrame& frame, const Assignments& settings) {
+    const auto method = findMethod(kId).make();
+    for (const auto& [parameter, value] : settings) method->set(kId, parameter, value);
+    const Plan plan = planFor({}, frame.calledFor(), method->traits().simulates);
+    method->prepare(frame->scene, plan);
+    const TextureTarget target(frame->width(), frame->height());
+    target.poison();
+    method->build(*frame, plan);
+    method->shade(*frame, plan, target);
+    gl::checkErrors(method->text());
+    const WorkCounters counters = method->counters();
+    return {target.read(), counters, std::stoi(counters.message)};
+}
+
+int mapsOf(const TestFrame& frame, const Assignments& settings) {
+    return outcome(frame, settings).maps;
+}
+
+/// Every pixel compared and every map read.
+const Assignments kThorough = {
+    {"stride", "1"}, {"skip_decided", "false"}, {"centre_test", "false"}, {"map_size", "128"}};
+
+/// The paper's own algorithm for two-dimensional lights (DirectX 10, section 4.2).
+const Assignments kPaper = with(kThorough, {{"compare", "relative"},
+                                            {"gamma", "0.01"},
+                                            {"criterion", "map_texels"},
+                                            {"pairs", "diagonals"},
+                                            {"weights", "local_depth"},
+                                            {"count_by", "queries"},
+                                            {"epsilon", "0.005"}});
+
+/// A floor under a light of 0.8 x 0.8 metres, 2 metres above; casters are added.
+struct Room {
+    Shape shape;
+    AreaLight light = lightAbove(2.0, 0.8, 0.8);
+    Room() { shape.rectangle({-1.0, -1.0}, {1.0, 1.0}, 0.0); }
+    TestFrame frame(int size = 96) const {
+        return {{shape.geometry(), light},
+                planeGBuffer(size, size, {-0.8, -0.8, 0}, {1.6, 0, 0}, {0, 1.6, 0}, light)};
+    }
+};
+
+Room box() {
+    Room room;
+    room.shape.box({-0.3, -0.25, 0.4}, {0.2, 0.3, 0.7});
+    return room;
+}
+
+TEST_F(AdaptiveLightSampled, NothingAllowedIsTheFullLattice) {
+    // METHODS.md hard case 32. The weights of a full lattice are light_sampled's.
+    const TestFrame frame = box().frame();
+    for (const auto& [weights, regular] :
+         {std::pair("leaf_area", "trapezoid"), {"equal", "equal"}, {"local_depth", "equal"}})
+        for (const auto& [evaluation, pcf] :
+             {std::pair("array", false), {"array", true}, {"buffer", true}, {"bits", false}}) {
+            const Outcome full = outcome(frame, with(kThorough, {{"epsilon", "0"},
+                                                                 {"weights", weights},
+                                                                 {"evaluation", evaluation},
+                                                                 {"pcf", pcf ? "2x2" : "off"}}));
+            EXPECT_EQ(full.maps, 81);
+            EXPECT_EQ(full.image, render(frame, "light_sampled",
+                                         {{"samples", "81"},
+                                          {"map_size", "128"},
+                                          {"pattern", "lattice"},
+                                          {"weights", regular},
+                                          {"pcf", pcf ? "true" : "false"}}))
+                << weights << ' ' << evaluation << ", pcf " << pcf;
+        }
+}
+
+TEST_F(AdaptiveLightSampled, NoDepthIsEqualWithoutGamma) {
+    const TestFrame frame = box().frame(48);
+    for (const char* compare : {"absolute", "relative", "symmetric"})
+        EXPECT_EQ(mapsOf(frame, with(kPaper, {{"compare", compare},
+                                              {"gamma", "0"},
+                                              {"criterion", "compared_pixels"},
+                                              {"max_depth", "2"},
+                                              {"epsilon", "1"}})),
+                  25)
+            << compare;
+}
+
+TEST_F(AdaptiveLightSampled, EverythingAllowedIsFourMaps) {
+    const TestFrame frame = box().frame();
+    const Outcome four = outcome(frame, {{"epsilon", "1e6"}, {"centre_test", "false"}});
+    EXPECT_EQ(four.maps, 4);
+    EXPECT_EQ(four.image,
+              render(frame, "light_sampled", {{"samples", "4"}, {"pattern", "lattice"}}));
+    HalfPlane caster;
+    EXPECT_EQ(mapsOf(caster.frame(0.8, 0.0), {{"epsilon", "1e6"}, {"centre_test", "false"}}), 2);
+}
+
+TEST_F(AdaptiveLightSampled, LinearLightsTakeTheLatticeOfTheirAxis) {
+    for (const bool alongU : {true, false}) {
+        HalfPlane caster;
+        caster.axis = alongU ? 0 : 1;
+        const TestFrame frame = caster.frame(alongU ? 0.8 : 0.0, alongU ? 0.0 : 0.8);
+        const Outcome full = outcome(
+            frame, with(kThorough, {{"epsilon", "0"}, {"max_depth", "5"}, {"weights", "equal"}}));
+        EXPECT_EQ(full.maps, 33);
+        EXPECT_EQ(full.image,
+                  render(frame, "light_sampled",
+                         {{"samples", "33"}, {"pattern", "lattice"}, {"map_size", "128"}}));
+    }
+}
+
+TEST_F(AdaptiveLightSampled, EveryMapIsRenderedOnce) {
+    // METHODS.md 12: 4, 9, 14, then 18 with an adjacent part or 19 with the opposite one. Each map
+    // is one draw call; the other calls are a pass of marks per level and one of evaluation.
+    const TestFrame frame = box().frame(32);
+    for (const auto& [most, levels] : {std::pair(4, 1), {9, 2}, {14, 3}, {18, 3}, {81, 4}}) {
+        const auto method = findMethod(kId).make();
+        method->set(kId, "epsilon", "0");
+        method->set(kId, "centre_test", "false");
+        method->set(kId, "max_maps", std::to_string(most));
+        const Plan plan = planFor({}, frame.calledFor(), method->traits().simulates);
+        method->prepare(frame->scene, plan);
+        const TextureTarget target(frame->width(), frame->height());
+        gl::WorkCounter counter;
+        method->build(*frame, plan);
+        method->shade(*frame, plan, target);
+        EXPECT_EQ(counter.stop().drawCalls, static_cast<std::uint64_t>(most + levels + 1)) << most;
+        EXPECT_EQ(method->counters().maps, most);
+    }
+    const Outcome full = outcome(frame, {{"epsilon", "0"}});
+    EXPECT_EQ(full.counters.message, "81 maps; 64 of 64 parts at max_depth, 0 refused by max_maps");
+    const Outcome half =
+        outcome(frame, {{"epsilon", "0"}, {"max_maps", "9"}, {"centre_test", "false"}});
+    EXPECT_EQ(half.counters.message, "9 maps; 0 of 4 parts at max_depth, 4 refused by max_maps");
+}
+
+TEST_F(AdaptiveLightSampled, FewerMapsAsMoreMayDiffer) {
+    const TestFrame frame = box().frame(64);
+    struct Case {
+        Assignments settings;
+        const char* parameter;
+    };
+    for (const Case& c :
+         {Case{kThorough, "epsilon"},
+          Case{with(kThorough, {{"criterion", "compared_pixels"}}), "epsilon"},
+          Case{with(kThorough, {{"criterion", "worst_tile"}}), "epsilon"},
+          Case{with(kThorough, {{"space", "light"}}), "epsilon"}, Case{kPaper, "epsilon"},
+          Case{kPaper, "gamma"}, Case{with(kPaper, {{"compare", "absolute"}}), "gamma"},
+          Case{with(kPaper, {{"compare", "symmetric"}}), "gamma"}}) {
+        int before = std::numeric_limits<int>::max(), first = 0;
+        for (const char* value : {"0", "0.01", "0.05", "0.2", "0.5", "100"}) {
+            const int maps = mapsOf(frame, with(c.settings, {{c.parameter, value}}));
+            EXPECT_LE(maps, before) << c.parameter << '=' << value;
+            if (first == 0) first = maps;
+            before = maps;
+        }
+        EXPECT_EQ(first, 81) << c.parameter;
+        EXPECT_EQ(before, 4) << c.parameter;
+    }
+}
+
+TEST_F(AdaptiveLightSampled, EvaluationsAgree) {
+    // Leaf areas and equal weights are whole numbers with exact sums; eq. 6's are rounded, once for
+    // each of at most 81 maps.
+    const TestFrame frame = box().frame();
+    for (const char* weights : {"leaf_area", "equal", "local_depth"}) {
+        const Assignments settings = with(kThorough, {{"weights", weights}, {"epsilon", "0.05"}});
+        const Outcome bits = outcome(frame, with(settings, {{"evaluation", "bits"}}));
+        EXPECT_GT(bits.maps, 9);
+        EXPECT_LT(bits.maps, 81);
+        const double tolerance = std::string(weights) == "local_depth" ? 81 * 6e-8 : 0.0;
+        for (const char* evaluation : {"array", "buffer"}) {
+            const Outcome other = outcome(frame, with(settings, {{"evaluation", evaluation}}));
+            EXPECT_EQ(other.maps, bits.maps);
+            EXPECT_EQ(violations(frame, other.image,
+                                 [&](float v, std::size_t i) {
+                                     return std::abs(v - bits.image[i]) <= tolerance;
+                                 }),
+                      0)
+                << weights << ' ' << evaluation;
+        }
+    }
+}
+
+TEST_F(AdaptiveLightSampled, QueriesCountWhatBitsCount) {
+    // Whatever is compared, at whichever pixels: the same tree and so the same image.
+    const TestFrame frame = box().frame(80);
+    for (const Assignments& settings :
+         {Assignments{}, Assignments{{"criterion", "compared_pixels"}},
+          Assignments{{"pairs", "diagonals"}}, Assignments{{"centre_test", "true"}},
+          Assignments{{"tile", "16"}}, Assignments{{"stride", "3"}, {"tile", "16"}}})
+        for (const char* epsilon : {"0.03", "0.2"}) {
+            const Assignments all = with(with(kThorough, settings), {{"epsilon", epsilon}});
+            EXPECT_EQ(outcome(frame, all).image,
+                      outcome(frame, with(all, {{"count_by", "queries"}})).image);
+        }
+}
+
+TEST_F(AdaptiveLightSampled, QueriesCountInHalfCubesToo) {
+    // A floor to 76 degrees off the light's normal.
+    const AreaLight light = lightAbove(1.0, 0.4, 0.4);
+    Shape shape;
+    shape.rectangle({-4.0, -4.0}, {4.0, 4.0}, 0.0);
+    shape.box({1.0, -0.3, 0.2}, {1.3, 0.3, 0.5});
+    const TestFrame frame({shape.geometry(), light},
+                          planeGBuffer(64, 64, {-4, -4, 0}, {8, 0, 0}, {0, 8, 0}, light));
+    const Assignments settings = with(kThorough, {{"epsilon", "0.1"}});
+    const Outcome bits = outcome(frame, settings);
+    EXPECT_EQ(bits.counters.maps, 5 * bits.maps);
+    EXPECT_GT(bits.maps, 4);
+    EXPECT_EQ(bits.image, outcome(frame, with(settings, {{"count_by", "queries"}})).image);
+    for (const char* space : {"camera", "light"})
+        EXPECT_GT(mapsOf(frame, with(kPaper, {{"space", space}})), 4) << space;
+}
+
+TEST_F(AdaptiveLightSampled, SkippingTheDecidedChangesWhatNineMapsDoNotSee) {
+    // The box is larger than the gaps between the nine: no pixel may differ by more than what their
+    // cells between corners weigh together, a quarter of the light; few differ at all.
+    const TestFrame frame = box().frame();
+    const Assignments settings = {{"epsilon", "0"}};
+    const Image all = outcome(frame, with(settings, {{"skip_decided", "false"}})).image;
+    const Image skipped = outcome(frame, with(settings, {{"skip_decided", "true"}})).image;
+    EXPECT_EQ(violations(frame, skipped,
+                         [&](float v, std::size_t i) { return std::abs(v - all[i]) < 0.25; }),
+              0);
+    const int changed =
+        violations(frame, skipped, [&](float v, std::size_t i) { return v == all[i]; });
+    EXPECT_LT(changed, static_cast<int>(frame.asked().size()) / 20);
+}
+
+TEST_F(AdaptiveLightSampled, LargerKernelsAreSmootherAndStayWithinTheMaps) {
+    // Of one hard edge, a kernel of n makes a ramp of n - 1 texels.
+    const TestFrame frame = HalfPlane{}.frame(0.8, 0.0, 256);
+    int before = 0;
+    for (const char* pcf : {"off", "2x2", "3x3", "5x5"}) {
+        const Image image = render(
+            frame, kId,
+            {{"epsilon", "1e6"}, {"pcf", pcf}, {"centre_test", "false"}, {"map_size", "64"}});
+        const int between = violations(
+            frame, image, [](float v, auto) { return v == 0.0f || v == 0.5f || v == 1.0f; });
+        EXPECT_TRUE(between > before || between == 0) << pcf;
+        EXPECT_EQ(outOfRange(frame, image), 0);
+        before = between;
+    }
+    EXPECT_GT(before, 0);
+}
+
+/// A band in z = 1 that hides from the floor's points near the origin the light's corners TR and BL
+/// alike, and what lies between them, but not TL and BR.
+Room xorStrip() {
+    Room room;
+    // The diagonal of the light towards +u -v (axisV is -y): along x = y.
+    const glm::dvec3 along(0.3, 0.3, 1.0), across(0.08, -0.08, 0.0);
+    room.shape.quad(-along + glm::dvec3(0, 0, 2) - across, along - across, along + across,
+                    -along + glm::dvec3(0, 0, 2) + across);
+    return room;
+}
+
+TEST_F(AdaptiveLightSampled, XorStripIsMissedByOppositeCornersOnly) {
+    // METHODS.md hard case 33: at a point under the band's middle the maps of both diagonals agree,
+    // so the paper's test stops at four maps and says one half where the band hides a sixth or so.
+    const Room room = xorStrip();
+    const AreaLight& light = room.light;
+    const World world{room.shape.geometry(), light};
+    const TestFrame frame(
+        world, planeGBuffer(16, 16, {-0.03, -0.03, 0}, {0.06, 0, 0}, {0, 0.06, 0}, light));
+    const Assignments small = with(kThorough, {{"map_size", "512"}, {"epsilon", "0.005"}});
+    const Outcome paper =
+        outcome(frame, with(with(kPaper, small), {{"criterion", "compared_pixels"}}));
+    EXPECT_EQ(paper.maps, 4);
+    EXPECT_EQ(unequal(frame, paper.image, 0.5f), 0);
+    EXPECT_EQ(mapsOf(frame, with(small, {{"pairs", "diagonals"}})), 4);
+
+    const Outcome tight = outcome(frame, with(small, {{"max_depth", "4"}, {"max_maps", "256"}}));
+    EXPECT_GT(tight.maps, 25);
+    const Outcome centre = outcome(frame, with(small, {{"pairs", "diagonals"},
+                                                       {"centre_test", "true"},
+                                                       {"max_depth", "4"},
+                                                       {"max_maps", "256"}}));
+    EXPECT_GT(centre.maps, 25);
+    const Reference exact = exactReference(frame->tracer, world.materials, frame->gbuffer, light);
+    const auto rmse = [&](const Image& image) {
+        double sum = 0.0;
+        for (const std::size_t i : frame.asked())
+            sum += std::pow(image[i] - exact.visibility[i], 2);
+        return std::sqrt(sum / static_cast<double>(frame.asked().size()));
+    };
+    EXPECT_GT(rmse(paper.image), 0.1);
+    EXPECT_LT(rmse(tight.image), 0.25 * rmse(paper.image));
+    EXPECT_LT(rmse(centre.image), 0.25 * rmse(paper.image));
+}
+
+TEST_F(AdaptiveLightSampled, CastersBetweenTheCornersNeedTheCentreTest) {
+    // METHODS.md hard case 34: a plate that hides the middle of the light from every point asked
+    // and none of its corners. Without the centre the error is all that it hides.
+    Room room;
+    room.shape.rectangle({-0.1, -0.1}, {0.1, 0.1}, 1.0);
+    const TestFrame frame(
+        {room.shape.geometry(), room.light},
+        planeGBuffer(16, 16, {-0.05, -0.05, 0}, {0.1, 0, 0}, {0, 0.1, 0}, room.light));
+    const Outcome corners = outcome(frame, kThorough);
+    EXPECT_EQ(corners.maps, 4);
+    EXPECT_EQ(unequal(frame, corners.image, 1.0f), 0);
+    EXPECT_GT(mapsOf(frame, with(kThorough, {{"centre_test", "true"}, {"epsilon", "0.03"}})), 14);
+}
+
+TEST_F(AdaptiveLightSampled, ShadowsOfFewPixelsNeedTheWorstTile) {
+    // METHODS.md hard case 35: a caster of six centimetres, some fifty pixels of penumbra among
+    // 128 x 128: three thousandths of the image, a fifth of a tile.
+    Room room;
+    room.light = lightAbove(2.0, 0.4, 0.4);
+    room.shape.rectangle({-0.03, -0.03}, {0.03, 0.03}, 0.2);
+    const TestFrame frame = room.frame(128);
+    const Assignments settings =
+        with(kThorough, {{"tile", "16"}, {"epsilon", "0.02"}, {"map_size", "512"}});
+    for (const char* whole : {"compared_pixels", "map_texels"})
+        EXPECT_EQ(mapsOf(frame, with(settings, {{"criterion", whole}})), 4);
+    for (const char* local : {"visibility", "worst_tile"})
+        EXPECT_GT(mapsOf(frame, with(settings, {{"criterion", local}})), 4);
+}
+
+TEST_F(AdaptiveLightSampled, TheLiteralCriterionDependsOnTheMapsSize) {
+    // Eq. 4 divides camera pixels by texels: 64 times the texels are a 64th of the quotient, though
+    // the maps show the same. The normalised form stops within rounding of the same share.
+    const TestFrame frame = box().frame();
+    const auto at = [&](const char* criterion, const char* size) {
+        return mapsOf(
+            frame,
+            with(kThorough, {{"criterion", criterion}, {"epsilon", "0.05"}, {"map_size", size}}));
+    };
+    EXPECT_GT(at("map_texels", "128"), 25);
+    EXPECT_EQ(at("map_texels", "1024"), 4);
+    EXPECT_GT(at("compared_pixels", "1024"), 25);
+}
+
+/// A floor that ends where the light's centre begins to be hidden: of the half plane's penumbra
+/// only its inner part falls on it.
+TestFrame innerPenumbra() {
+    HalfPlane caster;
+    const double casterEdgeM =
+        caster.edgeM * (HalfPlane::kLightM - caster.heightM) / HalfPlane::kLightM;
+    Shape shape;
+    shape.rectangle({caster.edgeM + 0.005, -1.0}, {2.0, 1.0}, 0.0);
+    shape.rectangle({casterEdgeM, -5.0}, {5.0, 5.0}, caster.heightM);
+    const AreaLight light = lightAbove(HalfPlane::kLightM, 0.8, 0.0);
+    return {{shape.geometry(), light},
+            planeGBuffer(64, 64, {caster.edgeM + 0.01, -0.5, 0}, {0.5, 0, 0}, {0, 1, 0}, light)};
+}
+
+TEST_F(AdaptiveLightSampled, TheLightsCentreMissesInnerPenumbrae) {
+    const TestFrame frame = innerPenumbra();
+    for (const char* compare : {"tight", "relative"}) {
+        const Assignments settings =
+            with(kThorough,
+                 {{"compare", compare}, {"criterion", "compared_pixels"}, {"epsilon", "0.02"}});
+        EXPECT_EQ(mapsOf(frame, with(settings, {{"space", "light"}})), 2) << compare;
+        EXPECT_GT(mapsOf(frame, settings), 4) << compare;
+    }
+}
+
+TEST_F(AdaptiveLightSampled, TheLightsCentreDoesNotCareForTheCamera) {
+    // The same receivers seen at half the resolution: as many maps.
+    const Room room = box();
+    const Assignments settings = with(kThorough, {{"space", "light"}, {"epsilon", "0.05"}});
+    const int maps = mapsOf(room.frame(128), settings);
+    EXPECT_GT(maps, 4);
+    EXPECT_EQ(mapsOf(room.frame(64), settings), maps);
+}
+
+/// The same world with the light's axis u turned round: left is right.
+TestFrame mirrored(const Room& room) {
+    AreaLight light = room.light;
+    light.axisU = -light.axisU;
+    light.axisV = -light.axisV;
+    return {{room.shape.geometry(), light},
+            planeGBuffer(96, 96, {-0.8, -0.8, 0}, {1.6, 0, 0}, {0, 1.6, 0}, light)};
+}
+
+TEST_F(AdaptiveLightSampled, SymmetricFormDoesNotMindLeftAndRight) {
+    // METHODS.md hard case 36. Turned by half a circle every diagonal swaps its ends. Depths of
+    // floor and box differ by factors of 1 - 0.35 and 1 / 0.65 - 1, which gammas between separate.
+    const Room room = box();
+    const TestFrame one = room.frame(), other = mirrored(room);
+    for (const char* gamma : {"0.001", "0.2", "0.3", "0.34", "0.4", "0.5"}) {
+        const Assignments settings = with(
+            kPaper, {{"compare", "symmetric"}, {"gamma", gamma}, {"criterion", "compared_pixels"}});
+        EXPECT_EQ(mapsOf(one, settings), mapsOf(other, settings)) << gamma;
+    }
+}
+
+TEST_F(AdaptiveLightSampled, EquationSevenMindsLeftAndRight) {
+    // A floor seen from the linear light's left end, a caster at half its depth from the right one:
+    // |1 - 2 / 1| is 1 and |1 - 1 / 2| a half.
+    Room room;
+    room.light = lightAbove(2.0, 0.8, 0.0);
+    room.shape.rectangle({0.05, -3.0}, {5.0, 3.0}, 1.0);
+    const GBuffer asked =
+        planeGBuffer(32, 32, {-0.2, -0.3, 0}, {0.4, 0, 0}, {0, 0.6, 0}, room.light);
+    AreaLight turned = room.light;
+    turned.axisU = -turned.axisU;
+    turned.axisV = -turned.axisV;
+    const TestFrame one({room.shape.geometry(), room.light}, asked),
+        other({room.shape.geometry(), turned}, asked);
+    const auto maps = [](const TestFrame& frame, const char* compare, const char* gamma) {
+        return mapsOf(frame, with(kPaper, {{"compare", compare},
+                                           {"gamma", gamma},
+                                           {"criterion", "compared_pixels"},
+                                           {"max_depth", "1"}}));
+    };
+    EXPECT_NE(maps(one, "relative", "0.7"), maps(other, "relative", "0.7"));
+    for (const char* gamma : {"0.4", "0.7"})
+        EXPECT_EQ(maps(one, "symmetric", gamma), maps(other, "symmetric", gamma)) << gamma;
+}
+
+TEST_F(AdaptiveLightSampled, ClearedDepthsAreGuarded) {
+    // Receivers without geometry: no map shows anything where they are, or in some of the maps the
+    // caster only. All forms answer, and the empty floor alone is four maps.
+    const AreaLight light = lightAbove(2.0, 0.8, 0.8);
+    const GBuffer floor = planeGBuffer(64, 64, {-0.8, -0.8, 0}, {1.6, 0, 0}, {0, 1.6, 0}, light);
+    Shape away, over;
+    away.rectangle({5.0, 5.0}, {6.0, 6.0}, 0.5);
+    over.rectangle({-0.2, -0.2}, {0.2, 0.2}, 0.5);
+    const TestFrame nothing({away.geometry(), light}, floor), some({over.geometry(), light}, floor);
+    for (const char* compare : {"absolute", "relative", "symmetric"}) {
+        const Assignments settings = with(kPaper, {{"compare", compare}});
+        const Outcome lit = outcome(nothing, settings);
+        EXPECT_EQ(lit.maps, 4) << compare;
+        EXPECT_EQ(unequal(nothing, lit.image, 1.0f), 0);
+        const Outcome shadowed = outcome(some, settings);
+        EXPECT_GT(shadowed.maps, 9) << compare;
+        EXPECT_EQ(outOfRange(some, shadowed.image), 0);
+    }
+}
+
+TEST_F(AdaptiveLightSampled, DepthsDifferInsideTheUmbra) {
+    // METHODS.md 12: two maps that both hide a point behind a tilted caster show different depths
+    // of it, which costs maps that change nothing; shadow tests agree.
+    Room room;
+    room.shape.quad({-3, -3, 0.3}, {3, -3, 1.2}, {3, 3, 1.2}, {-3, 3, 0.3});
+    const TestFrame frame = room.frame();
+    EXPECT_GT(mapsOf(frame, kPaper), 9);
+    EXPECT_EQ(mapsOf(frame, kThorough), 4);
+}
+
+TEST_F(AdaptiveLightSampled, ReuseKeepsAndForgetsTheTree) {
+    // The same frame again: the same tree, judged in one pass instead of one per level. Without the
+    // box its parts are joined a level per frame.
+    const TestFrame frame = box().frame(), empty = Room().frame();
+    const auto method = findMethod(kId).make();
+    for (const auto& [parameter, value] :
+         Assignments{{"reuse", "true"}, {"epsilon", "0.02"}, {"centre_test", "false"}})
+        method->set(kId, parameter, value);
+    const Plan plan = planFor({}, frame.calledFor(), method->traits().simulates);
+    method->prepare(frame->scene, plan);
+    const TextureTarget target(frame->width(), frame->height());
+    const auto image = [&](const TestFrame& of) {
+        method->build(*of, plan);
+        method->shade(*of, plan, target);
+        return target.read();
+    };
+    const Outcome anew = outcome(frame, {{"epsilon", "0.02"}, {"centre_test", "false"}});
+    ASSERT_GT(anew.maps, 25);
+    EXPECT_EQ(image(frame), anew.image);
+    gl::WorkCounter counter;
+    EXPECT_EQ(image(frame), anew.image);
+    EXPECT_EQ(counter.stop().drawCalls, static_cast<std::uint64_t>(anew.maps + 2));
+    std::vector<int> maps;
+    for (int i = 0; i < 4; ++i) {
+        EXPECT_EQ(unequal(empty, image(empty), 1.0f), 0);
+        maps.push_back(method->counters().maps);
+    }
+    EXPECT_EQ(maps, (std::vector<int>{anew.maps, 25, 9, 4}));
+}
+
+TEST_F(AdaptiveLightSampled, NonsenseIsRefused) {
+    const auto method = findMethod(kId).make();
+    for (const char* parameter : {"epsilon", "gamma"})
+        for (const char* value : {"nan", "-0.1", "inf", "-inf", "some"})
+            EXPECT_THROW(method->set(kId, parameter, value), InputError) << parameter << value;
+    EXPECT_THROW(method->set(kId, "max_maps", "3"), InputError);
+    EXPECT_THROW(method->set(kId, "max_depth", "-1"), InputError);
+}
+
+TEST_F(AdaptiveLightSampled, WithoutPenumbraItIsTheHardMap) {
+    const TestFrame point = HalfPlane{}.frame(0.0, 0.0);
+    EXPECT_EQ(render(point, kId, {{"map_size", "256"}}),
+              render(point, "hard", {{"map_size", "256"}}));
+    const TestFrame wide = HalfPlane{}.frame(0.8, 0.8);
+    EXPECT_EQ(render(wide, kId, {{"map_size", "256"}}, EffectChoice::parse("none")),
+              render(wide, "hard", {{"map_size", "256"}}, EffectChoice::parse("none")));
+}
+
+}  // namespace
+}  // namespace penumbra
