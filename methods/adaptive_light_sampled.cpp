@@ -25,7 +25,7 @@ namespace {
 class AdaptiveLightSampled : public ShadowMethod {
     FloatParameter epsilon_{this,
                             "epsilon",
-                            0.1,
+                            0.4,
                             0.0,
                             1e6,
                             "",

@@ -1,5 +1,7 @@
 #include "harness/report/report.hpp"
 
+#include <tbb/parallel_for_each.h>
+
 #include <algorithm>
 #include <map>
 
@@ -30,9 +32,9 @@ void writeGrid(const RunFolder& folder, const RunRecord::SceneEntry& scene,
         GridFrame g{frames[i], &gbuffers[i], &references[i], {}};
         for (const Row& row : rows) {
             if (row.scene != scene.id || row.frame != frames[i]) continue;
-            g.cells.push_back({&row, row.status == "ok" ? folder.readVisibility(
-                                                              scene.id, row.frame, row.setting)
-                                                        : std::vector<float>{}});
+            g.cells.push_back({&row, row.status == "ok"
+                                         ? folder.readVisibility(scene.id, row.frame, row.setting)
+                                         : std::vector<float>{}});
         }
         grid.push_back(std::move(g));
     }
@@ -59,7 +61,8 @@ void orderRows(const RunFolder& folder, const RunRecord& record) {
 void writeArtefacts(const RunFolder& folder) {
     const RunRecord record = RunRecord::read(folder.record());
     const std::vector<Row> rows = readCsv(folder.results());
-    for (const RunRecord::SceneEntry& scene : record.scenes) writeGrid(folder, scene, rows);
+    tbb::parallel_for_each(
+        record.scenes, [&](const RunRecord::SceneEntry& scene) { writeGrid(folder, scene, rows); });
     writeSummary(folder);
 }
 

@@ -333,15 +333,18 @@ void Run::runFrame(const Scene& scene, const Frame& frame, bool keepMaps, const 
             if (isSeparation(row)) row.metrics.rmseCorrected.reset();
         });
     });
+    clock_.measure("images", [&] {
+        tbb::parallel_for_each(finished, [&](const auto& cell) {
+            const auto& [row, visibility] = cell;
+            if (row.status == "ok")
+                folder_.writeVisibility(scene.id, frame.index, row.setting, visibility, reference);
+        });
+    });
     for (auto& [row, visibility] : finished) {
         row.renderer = provenance_.renderer;
         row.threads = provenance_.threads;
         row.commit = provenance_.commit;
-        if (row.status == "ok") {
-            clock_.measure("images", [&] {
-                folder_.writeVisibility(scene.id, frame.index, row.setting, visibility, reference);
-            });
-        } else {
+        if (row.status != "ok") {
             failed_ += row.status == "failed";
             progress_.note(fmt::format("{} frame {}: {} {}: {}", scene.id, frame.index, row.setting,
                                        row.status, row.message));
