@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ostream>
 
 #include "core/scene/scene.hpp"
 #include "harness/reference/exact.hpp"
@@ -40,6 +41,10 @@ struct Subject {
     const char* scene;
     int frame;
 };
+
+void PrintTo(const Subject& subject, std::ostream* out) {
+    *out << subject.scene << ' ' << subject.frame;
+}
 
 class ReferenceOnScenes : public testing::TestWithParam<Subject> {};
 
