@@ -16,6 +16,7 @@
 
 #include "core/frame/gpu_geometry.hpp"
 #include "core/gl/context.hpp"
+#include "harness/bench/stage.hpp"
 #include "harness/reference/reference.hpp"
 #include "harness/run/visibility_target.hpp"
 #include "methods/shadow_method.hpp"
@@ -23,49 +24,15 @@
 namespace penumbra {
 namespace {
 
+using bench::needContext;
+using bench::Stage;
+
 constexpr int kWidth = 1024, kHeight = 768;
 
-/// A scene's first frame on the GPU; a linear light has its rectangle's greater extent.
-struct Stage {
-    std::shared_ptr<const Scene> scene;
-    SceneFrame moment;
-    Tracer tracer;
-    GBuffer gbuffer;
-    GBufferTextures textures;
-    GpuMaterials materials;
-    GpuGeometry geometry;
-    Frame frame;
-    EffectSet calledFor;
-
-    Stage(const std::string& id, bool linear)
-        : scene(loadScene(id, SceneLibrary::standard())),
-          moment(momentOf(*scene, linear)),
-          tracer(moment.geometry, scene->materials, scene->images),
-          gbuffer(renderGBuffer(tracer, moment, *scene, kWidth, kHeight)),
-          textures(uploadGBuffer(gbuffer)),
-          materials(scene->materials, scene->images),
-          geometry(moment.geometry, materials),
-          frame{*scene,
-                0,
-                moment.light,
-                boundLight(moment.light, gbuffer, *moment.geometry),
-                moment.camera,
-                moment.geometry,
-                tracer,
-                gbuffer,
-                textures,
-                geometry,
-                1},
-          calledFor(effectsCalledFor(*scene, moment)) {}
-
-    static SceneFrame momentOf(const Scene& scene, bool linear) {
-        SceneFrame moment = scene.frame(0);
-        if (linear)
-            (moment.light.halfU < moment.light.halfV ? moment.light.halfU : moment.light.halfV) =
-                0.0;
-        return moment;
-    }
-};
+/// Of a linear light only the rectangle's greater extent is left.
+void makeLinear(AreaLight& light) {
+    (light.halfU < light.halfV ? light.halfU : light.halfV) = 0.0;
+}
 
 /// A method set up for a stage, and its last frame's times.
 class Player {
@@ -156,9 +123,8 @@ struct Case {
 };
 
 void adaptiveAgainstRegular(benchmark::State& state, const Case& c, bool paper) {
-    static const std::unique_ptr<gl::Context> context =
-        gl::Context::create(gl::ContextKind::osmesa);
-    const Stage stage(c.scene, c.linear);
+    needContext();
+    const Stage stage(c.scene, kWidth, kHeight, c.linear ? makeLinear : nullptr);
     Assignments adaptive = {
         {"pcf", "2x2"}, {"max_depth", c.linear ? "7" : "3"}, {"max_maps", c.linear ? "129" : "81"}};
     Assignments regular = {{"pcf", "true"}, {"pattern", "lattice"}};

@@ -19,57 +19,18 @@
 #include "core/passes/n_buffers.hpp"
 #include "core/passes/slice_pass.hpp"
 #include "core/passes/summed_area_table.hpp"
+#include "harness/bench/stage.hpp"
 #include "harness/run/visibility_target.hpp"
 #include "methods/shadow_method.hpp"
 
 namespace penumbra {
 namespace {
 
+using bench::leastMs;
+using bench::needContext;
+using bench::Stage;
+
 constexpr int kPixels = 512, kMapSize = 512, kSlices = 16;
-
-void needContext() {
-    static const auto kContext = gl::Context::create(gl::ContextKind::automatic);
-}
-
-/// A scene's first frame on the GPU, its light's area scaled about its centre.
-struct Stage {
-    std::shared_ptr<const Scene> scene;
-    SceneFrame moment;
-    Tracer tracer;
-    GBuffer gbuffer;
-    GBufferTextures textures;
-    GpuMaterials materials;
-    GpuGeometry geometry;
-    Frame frame;
-    EffectSet calledFor;
-
-    explicit Stage(const std::string& id, double lightArea = 1.0)
-        : scene(loadScene(id, SceneLibrary::standard())),
-          moment(scaledLight(scene->frame(0), lightArea)),
-          tracer(moment.geometry, scene->materials, scene->images),
-          gbuffer(renderGBuffer(tracer, moment, *scene, kPixels, kPixels)),
-          textures(uploadGBuffer(gbuffer)),
-          materials(scene->materials, scene->images),
-          geometry(moment.geometry, materials),
-          frame{*scene,
-                0,
-                moment.light,
-                boundLight(moment.light, gbuffer, *moment.geometry),
-                moment.camera,
-                moment.geometry,
-                tracer,
-                gbuffer,
-                textures,
-                geometry,
-                1},
-          calledFor(effectsCalledFor(*scene, moment)) {}
-
-    static SceneFrame scaledLight(SceneFrame moment, double area) {
-        moment.light.halfU *= std::sqrt(area);
-        moment.light.halfV *= std::sqrt(area);
-        return moment;
-    }
-};
 
 /// A method that has built one stage.
 struct Prepared {
@@ -90,16 +51,17 @@ struct Prepared {
     void shade() { method->shade(stage.frame, plan, target); }
 };
 
-double leastMs(double least, const auto& work) {
-    const gl::FencedTimer timer;
-    work();
-    return std::min(least, timer.stop());
-}
-
 void lightSize(benchmark::State& state, const std::string& id, const Assignments& settings) {
     needContext();
     // From 0.1 x 0.1 metres to 1 x 1.
-    const Stage small("fence", 1.0), medium("fence", 10.0), large("fence", 100.0);
+    const auto withArea = [](double factor) {
+        return [factor](AreaLight& light) {
+            light.halfU *= std::sqrt(factor);
+            light.halfV *= std::sqrt(factor);
+        };
+    };
+    const Stage small("fence", kPixels), medium("fence", kPixels, kPixels, withArea(10.0)),
+        large("fence", kPixels, kPixels, withArea(100.0));
     Prepared methods[] = {{small, id, settings}, {medium, id, settings}, {large, id, settings}};
     double ms[3] = {1e9, 1e9, 1e9};
     for (auto _ : state)
@@ -111,7 +73,7 @@ void lightSize(benchmark::State& state, const std::string& id, const Assignments
 
 void slices(benchmark::State& state) {
     needContext();
-    const Stage stage("clouds");
+    const Stage stage("clouds", kPixels);
     std::map<int, double> ms;
     std::map<int, std::unique_ptr<Prepared>> methods;
     SlicePass pass(kSlices, false), four(4, false);
@@ -136,7 +98,7 @@ void slices(benchmark::State& state) {
 
 void triangles(benchmark::State& state, const std::string& id) {
     needContext();
-    const Stage stage(id);
+    const Stage stage(id, kPixels);
     Prepared method(stage, "occlusion_textures", {});
     DepthPass depth(false);
     const LightView view = LightView::fit(stage.frame, glm::dvec2(0.0), kMapSize);

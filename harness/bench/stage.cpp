@@ -6,11 +6,21 @@ void needContext() {
     static const auto kContext = gl::Context::create(gl::ContextKind::automatic);
 }
 
-Stage::Stage(const std::string& id, int pixels)
+namespace {
+
+SceneFrame changed(SceneFrame moment, const std::function<void(AreaLight&)>& change) {
+    if (change) change(moment.light);
+    return moment;
+}
+
+}  // namespace
+
+Stage::Stage(const std::string& id, int width, int height,
+             const std::function<void(AreaLight&)>& change)
     : scene(loadScene(id, SceneLibrary::standard())),
-      moment(scene->frame(0)),
+      moment(changed(scene->frame(0), change)),
       tracer(moment.geometry, scene->materials, scene->images),
-      gbuffer(renderGBuffer(tracer, moment, *scene, pixels, pixels)),
+      gbuffer(renderGBuffer(tracer, moment, *scene, width, height)),
       textures(uploadGBuffer(gbuffer)),
       materials(scene->materials, scene->images),
       geometry(moment.geometry, materials),

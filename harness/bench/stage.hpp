@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -14,7 +15,7 @@ namespace penumbra::bench {
 /// Makes the default context unless this process has it already.
 void needContext();
 
-/// A scene's first frame on the GPU, `pixels` squared. Needs a context.
+/// A scene's first frame on the GPU. Needs a context.
 struct Stage {
     std::shared_ptr<const Scene> scene;
     SceneFrame moment;
@@ -26,7 +27,10 @@ struct Stage {
     Frame frame;
     EffectSet calledFor;
 
-    Stage(const std::string& id, int pixels);
+    /// `change` may make another light of the scene's.
+    Stage(const std::string& id, int width, int height,
+          const std::function<void(AreaLight&)>& change = {});
+    Stage(const std::string& id, int pixels) : Stage(id, pixels, pixels) {}
     Stage(const Stage&) = delete;  // `frame` refers to the other members
     Stage& operator=(const Stage&) = delete;
 
