@@ -8,9 +8,6 @@
 // it; casters outside do not count, those inside weigh as the share of the light that a texel of
 // theirs covers, so that a wide search for a distant caster does not outvote a contact.
 //
-// Tiles of pixels ask the pyramid before any pixel does: those whose receivers are all lit or all
-// dark are not shaded, the others know where in the map there are blockers and look only there.
-//
 // It fails where one planar caster is not the truth: the mean over two layers gives a width that is
 // wrong for both (layers), casters that the light's centre does not see are missing, so umbrae
 // under several layers leak, too sparse a search steps over thin casters, and a kernel that reaches
@@ -24,7 +21,6 @@
 #include "core/gl/program.hpp"
 #include "core/passes/depth_pass.hpp"
 #include "core/passes/min_max_pyramid.hpp"
-#include "core/passes/pixel_tiles.hpp"
 #include "methods/shadow_method.hpp"
 
 namespace penumbra {
@@ -70,10 +66,8 @@ class Pcss : public ShadowMethod {
                              "pyramid",
                              {"early_outs", "narrow", "off"},
                              "min/max pyramid of the map: narrow the search to the nearest caster "
-                             "that may matter, for tiles of 8 x 8 pixels first, and leave out taps "
-                             "where none or all of the footprint blocks; narrow it only, pixel by "
-                             "pixel, the baseline of equal quality for the cost of early-outs; or "
-                             "search up to the near plane"};
+                             "that may matter and answer without taps where none or all of the "
+                             "footprint blocks; narrow it only; or search up to the near plane"};
 
   public:
     Traits traits() const override {
@@ -100,12 +94,7 @@ class Pcss : public ShadowMethod {
             side("SEARCH_SIDE", blockerTaps_), side("FILTER_SIDE", filterTaps_)};
         if (rotation_) defines.emplace_back("ROTATION");
         if (!pyramid_.is("off")) defines.emplace_back("NARROW");
-        if (pyramid_.is("early_outs")) {
-            tiles_ = PixelTiles::create();
-            defines.emplace_back("EARLY_OUTS");
-            classify_ = gl::Program::graphics("pcss.glsl", {"SOFT", "EARLY_OUTS", "PASS_TILES"});
-            defines.emplace_back("TILE_POINTS");
-        }
+        if (pyramid_.is("early_outs")) defines.emplace_back("EARLY_OUTS");
         soft_ = gl::Program::graphics("pcss.glsl", defines);
     }
 
@@ -120,35 +109,25 @@ class Pcss : public ShadowMethod {
         const gl::DebugGroup group("pcss: search and filter");
         const bool soft = isSoft(frame, plan);
         const gl::Program& program = soft ? soft_ : hard_;
-        setUp(program, frame, soft);
-        if (!soft || !pyramid_.is("early_outs")) {
-            target.draw(program, frame.gbufferTextures);
-            return;
+        program.use();
+        depth_.bind(program, 0);
+        program.set("biasTexels", static_cast<float>(bias_));
+        if (soft) {
+            if (!pyramid_.is("off")) minMax_.bind(program);
+            program.set("lightU", glm::vec3(frame.light.halfU * frame.light.axisU));
+            program.set("lightV", glm::vec3(frame.light.halfV * frame.light.axisV));
+            program.set("seed", frame.seed);
+            program.set(*this);
         }
-        setUp(classify_, frame, soft);
-        tiles_.classify(classify_, frame);
-        tiles_.shade(program, frame);
-        target.draw(tiles_.answers(), frame.gbufferTextures);
+        target.draw(program, frame.gbufferTextures);
     }
 
     WorkCounters counters() const override {
         return {depth_.map().layers(), depth_.texels(),
-                depth_.map().mebibytes() + minMax_.texture().mebibytes() + tiles_.mebibytes(), ""};
+                depth_.map().mebibytes() + minMax_.texture().mebibytes(), ""};
     }
 
   private:
-    void setUp(const gl::Program& program, const Frame& frame, bool soft) const {
-        program.use();
-        depth_.bind(program, 0);
-        program.set("biasTexels", static_cast<float>(bias_));
-        if (!soft) return;
-        if (!pyramid_.is("off")) minMax_.bind(program);
-        program.set("lightU", glm::vec3(frame.light.halfU * frame.light.axisU));
-        program.set("lightV", glm::vec3(frame.light.halfV * frame.light.axisV));
-        program.set("seed", frame.seed);
-        program.set(*this);
-    }
-
     /// Compiled in: loops of constant length are unrolled.
     static std::string side(const char* define, int taps) {
         return fmt::format("{} {}", define, static_cast<int>(std::sqrt(taps + 0.5)));
@@ -182,8 +161,7 @@ class Pcss : public ShadowMethod {
 
     DepthPass depth_;
     MinMaxPyramid minMax_;
-    PixelTiles tiles_;
-    gl::Program hard_, classify_, soft_;
+    gl::Program hard_, soft_;
 };
 
 const Register<Pcss> entry{"pcss", "Percentage-closer soft shadows", "Fernando 2005"};

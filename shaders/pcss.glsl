@@ -1,13 +1,9 @@
-#ifdef EARLY_OUTS
-#include "common/pixel_tiles.glsl"
-#else
 #include "common/receiver.glsl"
-#endif
 #include "common/light_view.glsl"
 
 #ifdef STAGE_FRAGMENT
 #ifdef SOFT
-#include "common/nearest_blocker.glsl"
+#include "common/min_max_pyramid.glsl"
 #include "common/sample_patterns.glsl"
 
 uniform vec3 lightU, lightV;  // the light's half axes, metres
@@ -47,82 +43,34 @@ Footprint footprint(LightPoint point) {
     return f;
 }
 
-Receivers only(Footprint f) {
-    Receivers r;
-    r.tile = f.tile;
-    r.centre = f.centre;
-    r.halfBox = vec2(0.0);
-    r.minS = r.maxS = r.planeS = f.s;
-    r.planeError = 0.0;
-    r.slope = f.plane;
-    r.slopeError = vec2(0.0);
-    r.scale = f.scale;
-    r.extent = abs(f.u) + abs(f.v);
-    r.minReach = f.minReach;
-    return r;
-}
-
-#ifdef PASS_TILES
-layout(location = 1) out vec4 box;  // of the map: nothing outside it blocks one of the receivers
-
-const int kRounds = 3;
-const int kFiner = 2;  // windows of the last round: what it costs is shared by the tile's pixels
-
-// What of a tile's receivers is common to all.
-void main() {
-    ivec2 first = ivec2(gl_FragCoord.xy) * kTilePixels;
-    ivec2 last = min(first + kTilePixels, textureSize(gbufferPosition, 0)) - 1;
-    Receivers all;
-    vec2 lo = vec2(1e30), hi = vec2(-1e30), reference;
-    float mostReach = 0.0;
-    bool any = false, litOnly = false, apart = false;
-    for (int y = first.y; y <= last.y; ++y)
-        for (int x = first.x; x <= last.x; ++x) {
-            vec4 p = texelFetch(gbufferPosition, ivec2(x, y), 0);
-            if (p.w != 1.0 && p.w != 2.0) continue;
-            LightPoint point = lightPoint(p.xyz, texelFetch(gbufferNormal, ivec2(x, y), 0).xyz);
-            if (!point.inFront) {
-                litOnly = true;
-                continue;
-            }
-            Footprint f = footprint(point);
-            if (!any) {
-                all = only(f);
-                reference = f.centre;
-            }
-            any = true;
-            apart = apart || f.tile != all.tile;
-            lo = min(lo, f.centre);
-            hi = max(hi, f.centre);
-            all.minS = min(all.minS, f.s);
-            all.maxS = max(all.maxS, f.s);
-            float planeS = all.planeS + dot(all.slope, f.centre - reference);
-            all.planeError = max(all.planeError, abs(f.s - planeS));
-            all.slopeError = max(all.slopeError, abs(f.plane - all.slope));
-            all.extent = max(all.extent, abs(f.u) + abs(f.v));
-            all.minReach = max(all.minReach, f.minReach);
-            mostReach = max(mostReach, f.maxReach);
+// Greatest s of a caster that may hide part of the light within `reach` of s around the receiver;
+// f.s where none may. `dark`: all texels within reach are blockers. Windows of the pyramid are
+// passed over that hold nothing above the receiver's plane, by the comparison that a tap makes, or
+// whose nearest caster is too far from the light to reach out to them.
+float nearestBlocker(Footprint f, float reach, out bool dark) {
+    vec2 extent = abs(f.u) + abs(f.v);
+    vec2 lo = f.centre - reach * extent, hi = f.centre + reach * extent;
+    Windows windows = windowsOver(lo, hi, mapSize);
+    vec2 slope = f.plane * f.scale;
+    float level = f.s * f.scale;
+    float nearest = f.s;
+    dark = true;
+    for (int y = 0; y < windows.count.y; ++y)
+        for (int x = 0; x < windows.count.x; ++x) {
+            Window w = windowAt(windows, ivec2(x, y), f.tile);
+            vec2 away = w.centre - f.centre;
+            float rise = dot(slope, away);
+            float highest = rise + w.toTexel * (abs(slope.x) + abs(slope.y));
+            vec2 tilt = abs(w.gradient - slope);
+            bool lit = w.maxS <= level || w.planeS + w.toTexel * (tilt.x + tilt.y) <= level + rise;
+            bool within = all(lessThanEqual(abs(away) - w.toTexel - 0.5,
+                                            extent * (w.maxS - f.s + f.minReach)));
+            dark = dark && w.minS > level + max(highest, 0.0);
+            if (!lit && within) nearest = max(nearest, w.maxS);
         }
-    visibility = any ? 1.0 : 0.0;
-    box = vec4(-1e30, -1e30, 1e30, 1e30);
-    if (!any || apart) return;
-    all.centre = 0.5 * (lo + hi);
-    all.halfBox = 0.5 * (hi - lo);
-    all.planeS += dot(all.slope, all.centre - reference);
-    Blockers found;
-    found.dark = false;
-    float nearest = 1.0;
-    for (int i = 0; i < kRounds && nearest > 0.0 && !found.dark; ++i) {
-        float reach = min(nearest - all.minS + all.minReach, mostReach);
-        found = nearestBlocker(all, reach, i + 1 < kRounds ? 0 : kFiner);
-        nearest = min(nearest, found.nearest);
-    }
-    visibility = found.dark && !litOnly ? -1.0 : nearest;
-    // The map's edge goes on beyond it.
-    box.xy = mix(found.lo, box.xy, lessThanEqual(found.lo, vec2(0.0)));
-    box.zw = mix(found.hi, box.zw, greaterThanEqual(found.hi, vec2(mapSize)));
+    return nearest;
 }
-#else
+
 #ifdef ROTATION
 uniform uint seed;
 
@@ -189,28 +137,6 @@ Taps tapsOf(Footprint f, float reach) {
     return taps;
 }
 
-// First column and row of the k x k taps that may find a blocker, and one past the last.
-ivec4 tapRange(Taps taps, int k) {
-#if defined(EARLY_OUTS) && defined(PATTERN_GRID)
-    // Taps a u + b v that meet the tile's box for some b in [-1, 1], or for some a.
-    vec4 box = texelFetch(tileNotes, ivec2(gl_FragCoord.xy) / kTilePixels, 0) - taps.centre.xyxy;
-    vec2 u = mix(taps.u, vec2(1e-6), lessThan(abs(taps.u), vec2(1e-6)));
-    vec2 v = mix(taps.v, vec2(1e-6), lessThan(abs(taps.v), vec2(1e-6)));
-    vec4 byU = (box + vec4(-abs(taps.v), abs(taps.v))) / u.xyxy;
-    vec4 byV = (box + vec4(-abs(taps.u), abs(taps.u))) / v.xyxy;
-    vec2 leastU = min(byU.xy, byU.zw), mostU = max(byU.xy, byU.zw);
-    vec2 leastV = min(byV.xy, byV.zw), mostV = max(byV.xy, byV.zw);
-    vec2 least = vec2(max(leastU.x, leastU.y), max(leastV.x, leastV.y));
-    vec2 most = vec2(min(mostU.x, mostU.y), min(mostV.x, mostV.y));
-    // A tap stays within its cell; a hundredth of it is for rounding.
-    vec4 cells = clamp(0.5 * float(k) * (vec4(least, most) + 1.0) + vec4(-0.01, -0.01, 1.01, 1.01),
-                       0.0, float(k));
-    return ivec4(cells);
-#else
-    return ivec4(0, 0, k, k);
-#endif
-}
-
 // s of the caster at `tap` where it blocks, else 0. Beyond the map its edge goes on.
 float blockerAt(Taps taps, vec2 tap) {
     vec2 at = taps.centre + tap.x * taps.u + tap.y * taps.v;
@@ -226,9 +152,8 @@ float blockerAt(Taps taps, vec2 tap) {
 float meanReach(Footprint f, LightPoint point, float reach, vec2 turn) {
     Taps taps = tapsOf(f, reach);
     float weights = 0.0, sum = 0.0;
-    ivec4 range = tapRange(taps, SEARCH_SIDE);
-    for (int j = range.y; j < range.w; ++j)
-        for (int i = range.x; i < range.z; ++i) {
+    for (int j = 0; j < SEARCH_SIDE; ++j)
+        for (int i = 0; i < SEARCH_SIDE; ++i) {
             vec2 tap = tapAt(i, j, SEARCH_SIDE, turn);
             float above = blockerAt(taps, tap) - f.s;
             bool inside = above + f.minReach >= reach * max(abs(tap.x), abs(tap.y));
@@ -248,49 +173,41 @@ float meanReach(Footprint f, LightPoint point, float reach, vec2 turn) {
 float litShare(Footprint f, float reach, vec2 turn) {
     Taps taps = tapsOf(f, reach);
     float blocked = 0.0;
-    ivec4 range = tapRange(taps, FILTER_SIDE);
-    for (int j = range.y; j < range.w; ++j)
-        for (int i = range.x; i < range.z; ++i)
+    for (int j = 0; j < FILTER_SIDE; ++j)
+        for (int i = 0; i < FILTER_SIDE; ++i)
             blocked += blockerAt(taps, tapAt(i, j, FILTER_SIDE, turn)) > 0.0 ? 1.0 : 0.0;
     return 1.0 - blocked / float(FILTER_SIDE * FILTER_SIDE);
 }
 
-#if defined(EARLY_OUTS)
-const int kRounds = 1;  // from what is known of the tile
-#else
-const int kRounds = 3;  // a fourth settles one pixel in fifty and costs all of them
-#endif
-
 float softVisibility(LightPoint point) {
     Footprint f = footprint(point);
     // As if a caster were at the near plane, then down to the nearest that is found to matter.
-    float nearest = 1.0;
-#ifdef EARLY_OUTS
-    nearest = texelFetch(tiles, ivec2(gl_FragCoord.xy) / kTilePixels, 0).r;
-#endif
-    float reach = min(nearest - f.s + f.minReach, f.maxReach);
+    float reach = min(1.0 - f.s + f.minReach, f.maxReach);
 #ifdef NARROW
-    bool dark = false;
-    for (int i = 0; i < kRounds && nearest > f.s && !dark; ++i) {
-        Blockers found = nearestBlocker(only(f), reach, 0);
-        nearest = found.nearest;
-        dark = found.dark;
-        if (nearest > f.s) reach = min(reach, nearest - f.s + f.minReach);
+    const int kRounds = 3;  // a fourth settles one pixel in fifty and costs all of them
+    bool lit = false, dark = false;
+    for (int i = 0; i < kRounds && !lit && !dark; ++i) {
+        float nearest = nearestBlocker(f, reach, dark);
+        lit = nearest <= f.s;
+        if (!lit) reach = min(reach, nearest - f.s + f.minReach);
     }
 #ifdef EARLY_OUTS
-    if (nearest <= f.s) return 1.0;
+    if (lit) return 1.0;
     if (dark) return 0.0;
 #endif
 #endif
     vec2 turn = pixelTurn();
     reach = meanReach(f, point, reach, turn);
     if (reach == 0.0) return 1.0;
-    return litShare(f, clamp(reach, f.minReach, f.maxReach), turn);
+    reach = clamp(reach, f.minReach, f.maxReach);
+#ifdef EARLY_OUTS
+    nearestBlocker(f, reach, dark);
+    if (dark) return 0.0;
+#endif
+    return litShare(f, reach, turn);
 }
 #endif
-#endif
 
-#ifndef PASS_TILES
 void main() {
     vec3 position, normal;
     if (!receives(position, normal)) return;
@@ -305,5 +222,4 @@ void main() {
     visibility = litAt(point, point.uv);
 #endif
 }
-#endif
 #endif

@@ -1,7 +1,5 @@
 // The shade pass's doors: one full-screen triangle in, one visibility out.
-#ifndef TILE_POINTS  // common/pixel_tiles.glsl draws those
 #include "common/fullscreen.glsl"
-#endif
 #ifdef STAGE_FRAGMENT
 layout(binding = 8) uniform sampler2D gbufferPosition;  // relative position (m), class
 layout(binding = 9) uniform sampler2D gbufferNormal;    // geometric normal
