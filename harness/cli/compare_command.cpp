@@ -46,6 +46,8 @@ void addCompareCommand(CLI::App& app, Action& action, const std::string& command
     addTruthOptions(*command, o, entered->size, "image size WxH (default: 512x512)");
     command->add_option("--repeats", o.repeats, "timed repeats of every cell")
         ->check(CLI::Range(1, 10000));
+    command->add_option("--curve-metric", o.curveMetric,
+                        "error on curves and in cost tables (default: rmse; see list metrics)");
     command->add_option("--context", entered->context, "osmesa | egl | glfw | auto");
     command->add_option("--out", o.out, "run folder (default: results/<time>)");
     command->add_flag("--resume", o.resume, "do what is missing in --out");

@@ -8,9 +8,12 @@ void addReportCommand(CLI::App& app, Action& action) {
         app.add_subcommand("report", "Rebuild every artefact of a run folder from its rows");
     auto folder = std::make_shared<std::filesystem::path>();
     command->add_option("run", *folder, "run folder")->required();
-    command->callback([folder, &action] {
-        action = [folder] {
-            writeArtefacts(RunFolder(*folder));
+    auto curveMetric = std::make_shared<std::string>();
+    command->add_option("--curve-metric", *curveMetric,
+                        "error on curves and in cost tables (default: the run's)");
+    command->callback([folder, curveMetric, &action] {
+        action = [folder, curveMetric] {
+            writeArtefacts(RunFolder(*folder), *curveMetric);
             return 0;
         };
     });

@@ -1,13 +1,16 @@
 #include "harness/report/report.hpp"
 
+#include <fmt/format.h>
 #include <tbb/parallel_for_each.h>
 
 #include <algorithm>
 #include <map>
 
 #include "harness/report/grid.hpp"
+#include "harness/report/markdown.hpp"
 #include "harness/report/summary.hpp"
 #include "harness/run/files.hpp"
+#include "harness/study/curve.hpp"
 
 namespace penumbra {
 namespace {
@@ -42,6 +45,33 @@ void writeGrid(const RunFolder& folder, const RunRecord::SceneEntry& scene,
     writePng(folder.grid(scene.id), renderGrid(scene.id, scene.shows, grid));
 }
 
+RunRecord readRecord(const RunFolder& folder, const std::string& curveMetric) {
+    RunRecord record = RunRecord::read(folder.record());
+    if (!curveMetric.empty()) record.curveMetric = curveMetric;
+    requireCostMetric(record.curveMetric);
+    return record;
+}
+
+std::vector<CostStudy> studiesOf(const std::vector<Row>& rows, const RunRecord& record) {
+    return hasCurve(rows) ? costStudies(rows, record.curveMetric) : std::vector<CostStudy>{};
+}
+
+void writeCurves(const RunFolder& folder, const RunRecord& record, const std::vector<Row>& rows) {
+    const std::vector<CostStudy> studies = studiesOf(rows, record);
+    // An earlier report may have drawn what is no longer there.
+    std::filesystem::remove(folder.pareto());
+    std::filesystem::remove_all(folder.curve("").parent_path());
+    if (studies.empty()) return;
+    std::filesystem::create_directories(folder.curve("").parent_path());
+    writeFileAtomically(folder.pareto(), paretoCsv(studies, record.curveMetric));
+    const std::map<std::string, int> styles = methodStyles(studies);
+    for (const CostStudy& study : studies) {
+        const Plot plot = curvePlot(study, record.curveMetric, styles);
+        writeFileAtomically(folder.curve(study.scene).concat(".svg"), plotSvg(plot));
+        writeFileAtomically(folder.curve(study.scene).concat(".png"), plotPng(plot));
+    }
+}
+
 }  // namespace
 
 void orderRows(const RunFolder& folder, const RunRecord& record) {
@@ -58,20 +88,28 @@ void orderRows(const RunFolder& folder, const RunRecord& record) {
     writeFileAtomically(folder.results(), text);
 }
 
-void writeArtefacts(const RunFolder& folder) {
-    const RunRecord record = RunRecord::read(folder.record());
+void writeArtefacts(const RunFolder& folder, const std::string& curveMetric) {
+    const RunRecord record = readRecord(folder, curveMetric);
     const std::vector<Row> rows = readCsv(folder.results());
     tbb::parallel_for_each(
         record.scenes, [&](const RunRecord::SceneEntry& scene) { writeGrid(folder, scene, rows); });
-    writeSummary(folder);
+    writeCurves(folder, record, rows);
+    writeSummary(folder, curveMetric);
 }
 
-void writeSummary(const RunFolder& folder) {
-    const RunRecord record = RunRecord::read(folder.record());
+void writeSummary(const RunFolder& folder, const std::string& curveMetric) {
+    const RunRecord record = readRecord(folder, curveMetric);
     SummaryInput input;
     input.provenance = record.provenance;
     input.provenance.emplace_back("command", record.command);
+    if (record.fetches.nearestPerS > 0.0)
+        input.provenance.emplace_back(
+            "fetches",
+            fmt::format("{} nearest/s, {} compare/s", markdown::count(record.fetches.nearestPerS),
+                        markdown::count(record.fetches.comparePerS)));
     input.rows = readCsv(folder.results());
+    input.studies = studiesOf(input.rows, record);
+    input.costMetric = record.curveMetric;
     input.references = record.references;
     input.phases = record.phases;
     input.skippedScenes = record.skippedScenes;

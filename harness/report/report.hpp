@@ -5,14 +5,16 @@
 
 namespace penumbra {
 
-/// Rewrites results.csv in the record's order of scenes, frames and settings, so that an interrupted
-/// and resumed run ends with the same file as one that was not.
+/// Rewrites results.csv in the record's order of scenes, frames and settings, so that an
+/// interrupted and resumed run ends with the same file as one that was not.
 void orderRows(const RunFolder& folder, const RunRecord& record);
 
-/// Rebuilds grid/*.png and summary.md from run.json, results.csv and the images.
-void writeArtefacts(const RunFolder& folder);
+/// Rebuilds grid/*.png, summary.md and, where a method has several settings, pareto.csv and curve/*
+/// from run.json, results.csv and the images. `curveMetric` is the error in the latter; empty: the
+/// run's own choice. Throws InputError if it is none.
+void writeArtefacts(const RunFolder& folder, const std::string& curveMetric = {});
 
 /// summary.md alone.
-void writeSummary(const RunFolder& folder);
+void writeSummary(const RunFolder& folder, const std::string& curveMetric = {});
 
 }  // namespace penumbra

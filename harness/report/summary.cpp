@@ -3,98 +3,22 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <map>
-#include <optional>
 #include <set>
 #include <string_view>
 #include <tuple>
 
+#include "harness/report/markdown.hpp"
+#include "harness/report/summary_cost.hpp"
 #include "harness/run/provenance.hpp"
 #include "harness/run/separation.hpp"
 
 namespace penumbra {
 
+using namespace markdown;
+
 namespace {
-
-using Cells = std::vector<std::string>;
-using Number = std::optional<double>;
-
-// ---- Markdown --------------------------------------------------------------------------------
-
-/// Text that means itself wherever it stands, in a table cell too.
-std::string escaped(std::string_view text) {
-    const auto isWord = [&](std::size_t i) {
-        return i < text.size() && std::isalnum(static_cast<unsigned char>(text[i])) != 0;
-    };
-    std::string out;
-    for (std::size_t i = 0; i < text.size(); ++i) {
-        const char c = text[i];
-        // Markdown leaves snake_case alone, and so stay the names readable in the source.
-        const bool insideWord = c == '_' && i > 0 && isWord(i - 1) && isWord(i + 1);
-        if (c == '\n') {
-            out += "<br>";
-        } else if (c == '<') {
-            out += "&lt;";
-        } else if (c == '&') {
-            out += "&amp;";
-        } else if (c != '\r') {
-            if (!insideWord && std::string_view("\\`*_[]|~").find(c) != std::string_view::npos) {
-                out += '\\';
-            }
-            out += c;
-        }
-    }
-    return out;
-}
-
-std::string tableLine(const Cells& cells) {
-    return fmt::format("| {} |\n", fmt::join(cells, " | "));
-}
-
-/// The first `textColumns` columns are aligned left, numbers right. Cells are Markdown already.
-std::string table(const Cells& header, std::size_t textColumns, const std::vector<Cells>& lines) {
-    std::string out = tableLine(header) + "|";
-    for (std::size_t i = 0; i < header.size(); ++i) out += i < textColumns ? ":--|" : "--:|";
-    out += '\n';
-    for (const Cells& line : lines) out += tableLine(line);
-    return out + '\n';
-}
-
-/// Three significant digits, whole numbers in full, an exponent only below 0.0001.
-std::string number(const Number& value) {
-    if (!value) return "";
-    const double magnitude = std::abs(*value);
-    if (magnitude == 0.0) return "0";
-    if (magnitude < 1e-4 || magnitude >= 1e15) return fmt::format("{:.2e}", *value);
-    const int digits = std::clamp(2 - static_cast<int>(std::floor(std::log10(magnitude))), 0, 6);
-    return fmt::format("{:.{}f}", *value, digits);
-}
-
-std::string whole(const Number& value) {
-    return value ? fmt::format("{:.0f}", *value) : "";
-}
-
-/// 12.3 M and the like.
-std::string count(double value) {
-    if (value >= 1e9) return number(value / 1e9) + " G";
-    if (value >= 1e6) return number(value / 1e6) + " M";
-    if (value >= 1e4) return number(value / 1e3) + " k";
-    return whole(value);
-}
-
-std::string percent(const Number& fraction) {
-    return fraction ? number(100.0 * *fraction) + " %" : "";
-}
-
-std::string seconds(double value) {
-    return number(value) + " s";
-}
-
-Number ratio(double part, double whole) {
-    return whole > 0 ? Number(part / whole) : std::nullopt;
-}
 
 std::string place(const Row& row) {
     return fmt::format("{}, frame {}, {}", escaped(row.scene), row.frame, escaped(row.setting));
@@ -173,7 +97,7 @@ struct Overview {
     std::string method, params;
     std::set<std::string> scenes;
     std::size_t cells = 0, good = 0;
-    Mean rmse, rmsePenumbra, bias, leakRate, falseShadowRate, logRelativeTime;
+    Mean rmse, rmsePenumbra, bias, leakRate, falseShadowRate, logRelativeTime, shadeFetches;
 };
 
 /// Times are comparable only within a scene, a frame and a renderer, and not where it is unknown.
@@ -218,6 +142,7 @@ std::string overview(const SummaryInput& input) {
         o.bias.add(row.metrics.bias);
         o.leakRate.add(row.metrics.leakRate);
         o.falseShadowRate.add(row.metrics.falseShadowRate);
+        o.shadeFetches.add(row.shadeFetchesPerPixel);
         if (isTimed(row)) {
             o.logRelativeTime.add(std::log(*row.frameMs / fastest.at(timeGroup(row))));
         }
@@ -232,19 +157,22 @@ std::string overview(const SummaryInput& input) {
     for (const std::string& name : order) {
         const Overview& o = settings[name];
         const Number logTime = o.logRelativeTime.value();
-        lines.push_back({escaped(name), name == o.method ? "" : escaped(o.params),
-                         fmt::format("{}", o.scenes.size()), fmt::format("{}/{}", o.good, o.cells),
-                         number(o.rmse.value()), number(o.rmsePenumbra.value()),
-                         number(o.bias.value()), percent(o.leakRate.value()),
-                         percent(o.falseShadowRate.value()),
-                         logTime ? number(std::exp(*logTime)) : ""});
+        lines.push_back(
+            {escaped(name), name == o.method ? "" : escaped(o.params),
+             fmt::format("{}", o.scenes.size()), fmt::format("{}/{}", o.good, o.cells),
+             number(o.rmse.value()), number(o.rmsePenumbra.value()), number(o.bias.value()),
+             percent(o.leakRate.value()), percent(o.falseShadowRate.value()),
+             logTime ? number(std::exp(*logTime)) : "", number(o.shadeFetches.value())});
     }
     return "## Settings over all scenes\n\n"
            "Means over good cells, best rmse first. Time is the geometric mean of the frame time "
            "over that of the fastest setting in the same scene and frame. A setting with fewer "
-           "good cells was averaged over other scenes: compare it in the scenes' own tables.\n\n" +
+           "good cells was averaged over other scenes: compare it in the scenes' own tables. Shade "
+           "fetches / pixel: so many bare nearest fetches would take this machine as long as "
+           "shading "
+           "does.\n\n" +
            table({"setting", "parameters", "scenes", "good cells", "rmse", "rmse penumbra", "bias",
-                  "leak rate", "false shadow rate", "time / fastest"},
+                  "leak rate", "false shadow rate", "time / fastest", "shade fetches / pixel"},
                  2, lines);
 }
 
@@ -471,8 +399,9 @@ std::string ratios(const SummaryInput& input) {
 
 std::string summaryMarkdown(const SummaryInput& input) {
     return fmt::format("# {}\n\n", escaped(input.title)) + provenance(input) + warnings(input) +
-           overview(input) + scenes(input) + shadowEdges(input) + separation(input) +
-           references(input) + certification(input) + phases(input) + ratios(input);
+           overview(input) + costMarkdown(input.studies, input.costMetric) + scenes(input) +
+           shadowEdges(input) + separation(input) + references(input) + certification(input) +
+           phases(input) + ratios(input);
 }
 
 }  // namespace penumbra

@@ -7,6 +7,7 @@
 
 #include "harness/reference/certificate.hpp"
 #include "harness/run/row.hpp"
+#include "harness/study/pareto.hpp"
 
 namespace penumbra {
 
@@ -37,11 +38,13 @@ struct SummaryInput {
     std::vector<ReferenceStats> references;
     std::vector<PhaseTime> phases;                                   ///< together the whole run
     std::vector<std::pair<std::string, std::string>> skippedScenes;  ///< scene, reason
+    std::vector<CostStudy> studies;                                  ///< of runs with a curve
+    std::string costMetric = "rmse";                                 ///< of the studies
 };
 
-/// summary.md: warnings first, then settings over all scenes, each scene, widths of penumbrae, what
-/// separating shading from visibility costs, the references and where the time went.
-/// GitHub-flavoured Markdown; the same input gives the same text.
+/// summary.md: warnings first, then settings over all scenes, what accuracy costs, each scene,
+/// widths of penumbrae, what separating shading from visibility costs, the references and where the
+/// time went. GitHub-flavoured Markdown; the same input gives the same text.
 std::string summaryMarkdown(const SummaryInput& input);
 
 }  // namespace penumbra

@@ -167,6 +167,7 @@ void Run::openFolder() {
     record_.width = options_.width;
     record_.height = options_.height;
     record_.repeats = options_.repeats;
+    record_.curveMetric = options_.curveMetric;
     record_.seed = options_.seed;
     record_.reference = options_.reference;
     record_.referenceSe = options_.referenceSe;
@@ -344,6 +345,7 @@ void Run::runFrame(const Scene& scene, const Frame& frame, bool keepMaps, const 
         row.renderer = provenance_.renderer;
         row.threads = provenance_.threads;
         row.commit = provenance_.commit;
+        row.shadeFetchesPerPixel = shadeFetchesPerPixel(row, record_.fetches);
         if (row.status != "ok") {
             failed_ += row.status == "failed";
             progress_.note(fmt::format("{} frame {}: {} {}: {}", scene.id, frame.index, row.setting,
@@ -378,6 +380,7 @@ int compare(const CompareOptions& options) {
 
     if (options.resume && options.out.empty())
         throw InputError("--resume: name the run folder to continue with --out");
+    requireCostMetric(options.curveMetric);
     const auto start = std::chrono::steady_clock::now();
     std::vector<Setting> settings = expandSettings(options.settings);
     LoadedScenes loaded = loadScenes(options);
@@ -393,6 +396,7 @@ int compare(const CompareOptions& options) {
         run.record().fencedClockMs = test.fencedMs;
         run.record().queryClockMs = test.queryMs;
         run.record().timerQueriesTrusted = test.timerQueriesTrusted;
+        run.record().fetches = measureFetchThroughput();
     });
     run.openFolder();
     const int code = run.cells();

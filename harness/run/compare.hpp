@@ -18,6 +18,7 @@ struct CompareOptions : TruthOptions {
     SettingChoice settings;
     EffectChoice effects;
     int repeats = 5;
+    std::string curveMetric = "rmse";  ///< on the error axis of curves
     gl::ContextKind context = gl::ContextKind::osmesa;
     std::filesystem::path out;  ///< empty: results/<time>
     bool resume = false;

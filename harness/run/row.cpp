@@ -148,6 +148,7 @@ const std::vector<Column>& columns() {
         column("rmse_corrected", FIELD(metrics.rmseCorrected)),
         column("penumbra_width_error", FIELD(metrics.penumbraWidthError)),
         column("penumbra_shift", FIELD(metrics.penumbraShift)),
+        column("shade_fetches_per_pixel", FIELD(shadeFetchesPerPixel)),
     };
     return kColumns;
 }
@@ -159,16 +160,6 @@ std::string fieldOf(const Row& row, const Column& column) {
     // "0 non-finite pixels" of a cell that never ran would read as a result.
     if (column.measured && row.status != "ok" && field == "0") field.clear();
     return field;
-}
-
-std::string quoted(const std::string& field) {
-    if (field.find_first_of(",\"\r\n") == std::string::npos) return field;
-    std::string out = "\"";
-    for (const char c : field) {
-        if (c == '"') out += '"';
-        out += c;
-    }
-    return out + '"';
 }
 
 // ---- records ---------------------------------------------------------------------------------
@@ -296,6 +287,25 @@ void appendDurably(int fd, const std::string& text) {
 
 }  // namespace
 
+std::string csvQuoted(const std::string& field) {
+    if (field.find_first_of(",\"\r\n") == std::string::npos) return field;
+    std::string out = "\"";
+    for (const char c : field) {
+        if (c == '"') out += '"';
+        out += c;
+    }
+    return out + '"';
+}
+
+std::optional<double> numberInColumn(const Row& row, std::string_view name) {
+    const auto column = std::ranges::find(columns(), name, &Column::name);
+    if (column == columns().end() || column->text)
+        throw std::invalid_argument(fmt::format("no column of numbers: {}", name));
+    std::optional<double> value;
+    parseField(fieldOf(row, *column), value);
+    return value;
+}
+
 std::string csvHeader() {
     std::string header;
     for (const Column& c : columns()) {
@@ -309,7 +319,7 @@ std::string toCsv(const Row& row) {
     std::string line;
     for (const Column& c : columns()) {
         if (&c != &columns().front()) line += ',';
-        line += quoted(fieldOf(row, c));
+        line += csvQuoted(fieldOf(row, c));
     }
     return line;
 }

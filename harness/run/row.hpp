@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "harness/metrics/metrics.hpp"
@@ -27,12 +28,19 @@ struct Row {
     std::string renderer;
     int threads = 0;
     std::string commit;
+    std::optional<double> shadeFetchesPerPixel;  ///< harness/run/fetch_throughput.hpp
 
     /// What makes a cell: scene, frame and setting.
     std::string key() const { return scene + '\t' + std::to_string(frame) + '\t' + setting; }
     bool operator==(const Row&) const = default;
 };
 
+/// The number in the column called `name`; empty where the field is. Throws std::invalid_argument
+/// if there is no such column or it holds text.
+std::optional<double> numberInColumn(const Row& row, std::string_view name);
+
+/// A field as it stands in a CSV: in quotes where it must be (RFC 4180).
+std::string csvQuoted(const std::string& field);
 /// Column names in order, joined with commas.
 std::string csvHeader();
 /// One line without the line end; RFC 4180 quoting, C locale.

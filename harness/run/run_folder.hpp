@@ -27,6 +27,9 @@ class RunFolder {
     std::filesystem::path grid(const std::string& scene) const {
         return root_ / "grid" / (scene + ".png");
     }
+    std::filesystem::path pareto() const { return root_ / "pareto.csv"; }
+    /// Without extension: there is an SVG and a PNG.
+    std::filesystem::path curve(const std::string& scene) const { return root_ / "curve" / scene; }
     /// images/<scene>/<frame as 0000>
     std::filesystem::path images(const std::string& scene, int frame) const;
     std::filesystem::path setting(const std::string& scene, int frame,

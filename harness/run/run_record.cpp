@@ -53,6 +53,9 @@ void RunRecord::write(const std::filesystem::path& path) const {
     j["clock_self_test"] = {{"fenced_ms", fencedClockMs},
                             {"timer_query_ms", queryClockMs},
                             {"timer_queries_trusted", timerQueriesTrusted}};
+    j["fetch_throughput"] = {{"nearest_per_s", fetches.nearestPerS},
+                             {"compare_per_s", fetches.comparePerS}};
+    j["curve_metric"] = curveMetric;
     j["scenes"] = nlohmann::json(scenes);
     j["settings"] = nlohmann::json(settings);
     j["references"] = nlohmann::json(references);
@@ -82,6 +85,10 @@ RunRecord RunRecord::read(const std::filesystem::path& path) {
         clock.at("fenced_ms").get_to(r.fencedClockMs);
         clock.at("timer_query_ms").get_to(r.queryClockMs);
         clock.at("timer_queries_trusted").get_to(r.timerQueriesTrusted);
+        const Json& fetches = j.at("fetch_throughput");
+        fetches.at("nearest_per_s").get_to(r.fetches.nearestPerS);
+        fetches.at("compare_per_s").get_to(r.fetches.comparePerS);
+        j.at("curve_metric").get_to(r.curveMetric);
         const nlohmann::json lists = j;
         lists.at("scenes").get_to(r.scenes);
         lists.at("settings").get_to(r.settings);

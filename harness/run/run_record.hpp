@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "harness/report/summary.hpp"
+#include "harness/run/fetch_throughput.hpp"
 
 namespace penumbra {
 
@@ -35,6 +36,8 @@ struct RunRecord {
     std::vector<std::pair<std::string, std::string>> skippedScenes;
     double fencedClockMs = 0.0, queryClockMs = 0.0;  ///< the clock self-test
     bool timerQueriesTrusted = false;
+    FetchThroughput fetches;           ///< of the machine that ran it
+    std::string curveMetric = "rmse";  ///< on the error axis of curves and cost tables
 
     /// Written to a temporary name and renamed.
     void write(const std::filesystem::path& path) const;

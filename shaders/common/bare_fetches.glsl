@@ -7,7 +7,8 @@
 // caster: of the map's nearest texel, of the texture unit's comparison (FETCH_COMPARE) or of an
 // integer summed-area table (FETCH_TABLE). Where the method's own answer is below 1, as many again
 // up to LOOKS times, and FILTER_SIDE^2 more; each time half as far, for penumbrae are narrower than
-// what is searched for them, and the same fetches again would be optimized away.
+// what is searched for them, and the same fetches again would be optimized away. With ROOFLINE there
+// are no receivers: neighbouring pixels look at neighbouring texels, all over the map.
 uniform vec2 lightHalfM;
 uniform float casterNearM, widest;  // in no case more than so many sizes of the light
 
@@ -37,6 +38,19 @@ void look(inout SUM sum, LightPoint point, vec2 middle, vec2 halfTexels, const i
         for (int i = 0; i < side; ++i) sum += fetched(first + apart * vec2(i, j), point);
 }
 
+#ifdef ROOFLINE
+uniform float texelsPerPixel;
+
+void main() {
+    LightPoint point;
+    point.tile = 0;
+    point.s = 0.5;
+    const vec2 halfTexels = vec2(SIDE);
+    SUM sum = SUM(0);
+    look(sum, point, halfTexels + texelsPerPixel * gl_FragCoord.xy, halfTexels, SIDE);
+    visibility = dot(vec2(sum), vec2(1.0));
+}
+#else
 layout(binding = 3) uniform sampler2D answer;
 
 void main() {
@@ -60,6 +74,7 @@ void main() {
 #endif
     visibility = dot(vec2(sum), vec2(1.0));
 }
+#endif
 #else
 // One compare fetch from each of the first `fetches` layers of the map, a few texels apart.
 uniform int fetches;

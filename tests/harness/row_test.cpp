@@ -91,6 +91,7 @@ Row fullRow() {
                    .rmseCorrected = 0.009,
                    .penumbraWidthError = -0.75,
                    .penumbraShift = 0.0625};
+    row.shadeFetchesPerPixel = 12.5;
     row.effectsSimulated = "penumbra+self_shadow";
     row.effectsSkipped = "alpha_mask";
     row.effectsMissing = "layered_casters";
@@ -119,7 +120,7 @@ TEST(CsvHeader, IsTheContract) {
               "flip,rmse_lit,rmse_penumbra,rmse_umbra,leak_rate,false_shadow_rate,noise,flicker,"
               "scored_pixels,horizon_pixels,nonfinite,out_of_range,reference_se,effects_simulated,"
               "effects_skipped,effects_missing,renderer,threads,commit,rmse_corrected,"
-              "penumbra_width_error,penumbra_shift");
+              "penumbra_width_error,penumbra_shift,shade_fetches_per_pixel");
 }
 
 TEST(ToCsv, ShortestNumbersQuotesAndEmptyFields) {
@@ -129,14 +130,14 @@ TEST(ToCsv, ShortestNumbersQuotesAndEmptyFields) {
                          "512,384,ok,,0.1,0.3333333333333333,1e-300,5e-324,9,1,"))
         << line;
     EXPECT_TRUE(
-        line.ends_with(",\"llvmpipe (LLVM 15.0.6, 256 bits)\",2,0123abc,0.009,-0.75,0.0625"))
+        line.ends_with(",\"llvmpipe (LLVM 15.0.6, 256 bits)\",2,0123abc,0.009,-0.75,0.0625,12.5"))
         << line;
 }
 
 TEST(ToCsv, ACellThatNeverRanHasNoCounts) {
     Row row = failedRow();
     row.message = "no";
-    EXPECT_EQ(toCsv(row), "fence,0,hard,hard,,64,64,failed,no" + std::string(39, ',') + "1,,,,");
+    EXPECT_EQ(toCsv(row), "fence,0,hard,hard,,64,64,failed,no" + std::string(39, ',') + "1,,,,,");
     row.status = "ok";
     EXPECT_NE(toCsv(row).find(",0,0,0,0,"), std::string::npos) << "counts of a measured cell";
 }
@@ -228,7 +229,7 @@ TEST_F(CsvFile, MalformedLinesAreNamed) {
     const std::string at = path.string() + ":5: ";
 
     write(good + "a,b,c\n");
-    EXPECT_EQ(errorOfReading(), at + "3 fields, expected 52");
+    EXPECT_EQ(errorOfReading(), at + "3 fields, expected 53");
 
     std::string line = toCsv(fullRow());
     line.replace(line.find(",512,"), 5, ",51x2,");
@@ -253,6 +254,17 @@ TEST_F(CsvFile, MissingAndRepeatedColumnsAreNamed) {
     write(csvHeader() + ",p99\n");
     EXPECT_TRUE(errorOfReading().starts_with(path.string() + ":1: column p99 "))
         << errorOfReading();
+}
+
+TEST(NumberInColumn, GivesWhatTheCsvHas) {
+    Row row = fullRow();
+    EXPECT_EQ(numberInColumn(row, "frame_ms"), 0.1);
+    EXPECT_EQ(numberInColumn(row, "repeats"), 9.0);
+    EXPECT_EQ(numberInColumn(failedRow(), "repeats"), std::nullopt) << "an empty field";
+    row.metrics.flip.reset();
+    EXPECT_EQ(numberInColumn(row, "flip"), std::nullopt);
+    EXPECT_THROW(numberInColumn(row, "scene"), std::invalid_argument) << "text";
+    EXPECT_THROW(numberInColumn(row, "no_such"), std::invalid_argument);
 }
 
 }  // namespace

@@ -32,6 +32,8 @@ RunRecord fullRecord() {
     r.fencedClockMs = 33.5;
     r.queryClockMs = 0.25;
     r.timerQueriesTrusted = true;
+    r.fetches = {1.5e9, 6.25e8};
+    r.curveMetric = "flip";
     return r;
 }
 

@@ -21,6 +21,7 @@ Row okRow(const std::string& scene, const std::string& setting, double frameMs, 
     row.metrics.bias = -rmse;
     row.metrics.leakRate = 0.125;
     row.metrics.referenceSe = 0.000976;
+    row.shadeFetchesPerPixel = 3 * frameMs;
     row.renderer = "llvmpipe";
     return row;
 }
@@ -106,8 +107,8 @@ TEST(Summary, OverviewAveragesCellsAndComparesTimesWithinAScene) {
     input.rows.push_back(failed);
     const std::string text = summaryMarkdown(input);
     EXPECT_TRUE(contains(text,
-                         "| a |  | 2 | 2/2 | 0.200 | 0.400 | -0.200 | 12.5 % |  | 1.00 |\n"
-                         "| b |  | 2 | 2/3 | 0.300 | 0.600 | -0.300 | 12.5 % |  | 4.00 |\n"))
+                         "| a |  | 2 | 2/2 | 0.200 | 0.400 | -0.200 | 12.5 % |  | 1.00 | 165 |\n"
+                         "| b |  | 2 | 2/3 | 0.300 | 0.600 | -0.300 | 12.5 % |  | 4.00 | 1230 |\n"))
         << text;
 }
 
@@ -116,7 +117,7 @@ TEST(Summary, TimesOfDifferentRenderersAreNotCompared) {
     input.rows = {okRow("s", "a", 10, 0.1), okRow("s", "b", 1000, 0.2)};
     input.rows[1].renderer = "another";
     const std::string line = lineStarting(summaryMarkdown(input), "| b |");
-    EXPECT_TRUE(line.ends_with("| 1.00 |")) << line;
+    EXPECT_TRUE(line.ends_with("| 1.00 | 3000 |")) << line;
 }
 
 TEST(Summary, SceneTableHasEachCell) {
@@ -143,7 +144,7 @@ TEST(Summary, CellsCannotBreakTheTable) {
     input.rows = {row};
     const std::string text = summaryMarkdown(input);
     const std::string line = lineStarting(text, "| x\\|y |");
-    EXPECT_EQ(pipes(line), 11U) << line;
+    EXPECT_EQ(pipes(line), 12U) << line;
     EXPECT_TRUE(contains(line, "k=1\\|2<br>l=&lt;b>\\*3\\*")) << line;
     EXPECT_EQ(pipes(lineStarting(text, "| 0 | x\\|y |")), 16U);
 }
@@ -198,6 +199,77 @@ TEST(Summary, PenumbraeOnStraightEdges) {
         << text;
     input.rows.erase(input.rows.begin(), input.rows.begin() + 2);
     EXPECT_FALSE(contains(summaryMarkdown(input), "straight edges"));
+}
+
+/// A setting of the ladder of `method`.
+Row rung(const std::string& scene, const std::string& method, int step, double frameMs,
+         double rmse) {
+    Row row = okRow(scene, method, frameMs, rmse);
+    row.setting += '-' + std::to_string(step);
+    row.params = "filter=box;taps=" + std::to_string(step);
+    return row;
+}
+
+TEST(Summary, WhatAccuracyCosts) {
+    SummaryInput input;
+    for (const char* scene : {"s", "t"}) {
+        Row hard = okRow(scene, "hard", 1, 0.4);
+        hard.params = "map_size=1024";
+        input.rows.insert(input.rows.end(),
+                          {hard, rung(scene, "a", 4, 4, 0.16), rung(scene, "a", 9, 40, 0.016),
+                           rung(scene, "b", 4, 5, 0.2)});
+    }
+    Row refused = rung("s", "q", 1, 2, 0.01);
+    input.rows.push_back(refused);
+    refused.scene = "t";
+    refused.status = "unsupported";
+    input.rows.push_back(refused);
+    input.studies = costStudies(input.rows, "rmse");
+    const std::string text = summaryMarkdown(input);
+    const std::size_t start = text.find("## What accuracy costs\n");
+    ASSERT_NE(start, std::string::npos);
+    EXPECT_LT(start, text.find("## Scenes"));
+    const std::string section = text.substr(start, text.find("## Scenes") - start);
+
+    EXPECT_TRUE(contains(section,
+                         "- q-1: 1 of 2 frames, 1 of 2 scenes; nothing more accurate is as fast "
+                         "there\n"))
+        << section;
+    // b is beaten by a-4, which also is the sooner to reach half of what hard has.
+    EXPECT_TRUE(contains(
+        section,
+        "| **all scenes** | hard |  | 0.400 | 1.00 [0.900, 1.10] | 1.00 | 4.00 | a-4 |\n"
+        "| **all scenes** | a-4 | taps=4 | 0.160 | 4.00 [3.60, 4.40] | 4.00 | 10.0 | a-9 |\n"
+        "| **all scenes** | a-9 | taps=9 | 0.0160 | 40.0 [36.0, 44.0] | 40.0 | none |  |\n\n"))
+        << section;
+    EXPECT_TRUE(
+        contains(section, "| **all scenes** | 40.0 ms a-9 | 40.0 ms a-9 | 40.0 ms a-9 | – | – |\n"))
+        << section;
+    EXPECT_TRUE(
+        contains(section, "| s | 2.00 ms q-1 | 2.00 ms q-1 | 2.00 ms q-1 | 2.00 ms q-1 | – |\n"))
+        << section;
+    EXPECT_TRUE(contains(section, "| b | – | – | – | – | – |\n")) << section;
+    EXPECT_TRUE(contains(section,
+                         "| **all scenes** | 1.00 | 0.400 hard | 0.400 hard | 0.160 a-4 | 0.160 "
+                         "a-4 | 0.0160 a-9 |\n"))
+        << section;
+}
+
+TEST(Summary, TheErrorIsWhatItWasAskedToBe) {
+    SummaryInput input;
+    input.rows = {rung("s", "a", 1, 10, 0.2), rung("s", "a", 2, 20, 0.1)};
+    input.rows[0].metrics.ssim = 0.5;
+    input.rows[1].metrics.ssim = 0.75;
+    input.costMetric = "ssim";
+    input.studies = costStudies(input.rows, "ssim");
+    const std::string text = summaryMarkdown(input);
+    EXPECT_TRUE(contains(text, "| scene | 1 - ssim ≤ 0.1 |")) << text;
+    EXPECT_TRUE(contains(text, "| s | a-1 | taps=1 | 0.500 | 10.0 [9.00, 11.0] |  | 2.00 | a-2 |"))
+        << text;
+    EXPECT_FALSE(contains(text, "within a multiple")) << "nothing to take multiples of";
+    EXPECT_FALSE(contains(text, "<details>")) << "one scene has one table";
+    input.studies.clear();
+    EXPECT_FALSE(contains(summaryMarkdown(input), "## What accuracy costs"));
 }
 
 TEST(Summary, ReferenceTable) {

@@ -19,7 +19,7 @@ inline std::vector<std::string> untimedRows(const std::filesystem::path& runFold
     std::vector<std::string> list;
     for (Row row : readCsv(runFolder / "results.csv")) {
         for (auto* ms : {&row.frameMs, &row.frameMsLow, &row.frameMsHigh, &row.frameMsMad,
-                         &row.buildMs, &row.shadeMs, &row.prepareMs})
+                         &row.buildMs, &row.shadeMs, &row.prepareMs, &row.shadeFetchesPerPixel})
             if (*ms) *ms = 0.0;
         row.unstable = false;
         row.commit.clear();
