@@ -8,6 +8,9 @@
 // it; casters outside do not count, those inside weigh as the share of the light that a texel of
 // theirs covers, so that a wide search for a distant caster does not outvote a contact.
 //
+// Tiles of pixels ask the pyramid before any pixel does: those whose receivers are all lit or all
+// dark are not shaded, the others know where in the map there are blockers and tap only there.
+//
 // It fails where one planar caster is not the truth: the mean over two layers gives a width that is
 // wrong for both (layers), casters that the light's centre does not see are missing, so umbrae
 // under several layers leak, too sparse a search steps over thin casters, and a kernel that reaches
@@ -21,6 +24,7 @@
 #include "core/gl/program.hpp"
 #include "core/passes/depth_pass.hpp"
 #include "core/passes/min_max_pyramid.hpp"
+#include "core/passes/pixel_classes.hpp"
 #include "methods/shadow_method.hpp"
 
 namespace penumbra {
@@ -94,7 +98,10 @@ class Pcss : public ShadowMethod {
             side("SEARCH_SIDE", blockerTaps_), side("FILTER_SIDE", filterTaps_)};
         if (rotation_) defines.emplace_back("ROTATION");
         if (!pyramid_.is("off")) defines.emplace_back("NARROW");
-        if (pyramid_.is("early_outs")) defines.emplace_back("EARLY_OUTS");
+        if (pyramid_.is("early_outs")) {
+            classes_ = PixelClasses::create(PixelClasses::Dark::yes);
+            defines.emplace_back("EARLY_OUTS");
+        }
         soft_ = gl::Program::graphics("pcss.glsl", defines);
     }
 
@@ -109,22 +116,30 @@ class Pcss : public ShadowMethod {
         const gl::DebugGroup group("pcss: search and filter");
         const bool soft = isSoft(frame, plan);
         const gl::Program& program = soft ? soft_ : hard_;
+        if (soft && pyramid_.is("early_outs"))
+            classes_.classify(frame, depth_, minMax_, static_cast<float>(bias_),
+                              {static_cast<float>(minKernel_), static_cast<float>(maxKernel_)});
         program.use();
         depth_.bind(program, 0);
         program.set("biasTexels", static_cast<float>(bias_));
         if (soft) {
             if (!pyramid_.is("off")) minMax_.bind(program);
-            program.set("lightU", glm::vec3(frame.light.halfU * frame.light.axisU));
-            program.set("lightV", glm::vec3(frame.light.halfV * frame.light.axisV));
+            setFootprint(program, frame.light);
             program.set("seed", frame.seed);
             program.set(*this);
         }
-        target.draw(program, frame.gbufferTextures);
+        if (soft && pyramid_.is("early_outs")) {
+            classes_.shade(program, frame);
+            target.draw(classes_.answers(), frame.gbufferTextures);
+        } else {
+            target.draw(program, frame.gbufferTextures);
+        }
     }
 
     WorkCounters counters() const override {
         return {depth_.map().layers(), depth_.texels(),
-                depth_.map().mebibytes() + minMax_.texture().mebibytes(), ""};
+                depth_.map().mebibytes() + minMax_.texture().mebibytes() + classes_.mebibytes(),
+                ""};
     }
 
   private:
@@ -161,6 +176,7 @@ class Pcss : public ShadowMethod {
 
     DepthPass depth_;
     MinMaxPyramid minMax_;
+    PixelClasses classes_;
     gl::Program hard_, soft_;
 };
 

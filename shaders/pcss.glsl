@@ -1,75 +1,17 @@
+#ifdef EARLY_OUTS
+#define UNDECIDED_TILES
+#include "common/pixel_classes.glsl"
+#else
 #include "common/receiver.glsl"
+#endif
 #include "common/light_view.glsl"
 
 #ifdef STAGE_FRAGMENT
 #ifdef SOFT
-#include "common/min_max_pyramid.glsl"
+#include "common/nearest_blocker.glsl"
 #include "common/sample_patterns.glsl"
 
-uniform vec3 lightU, lightV;  // the light's half axes, metres
 uniform float p_min_kernel, p_max_kernel;
-
-// What of the map a receiver's light rays pass over, in texels of its tile. A ray to the point
-// C + a lightU + b lightV, a and b in [-1, 1], meets a caster of s_b beside the receiver by
-// (s_b - s) (a u + b v): 1/z_b - 1/z is the difference of s over near. Exact in tile 0, which is
-// parallel to the light; in a side tile the perspective over the light's own depth is left out.
-struct Footprint {
-    vec2 centre;    // the receiver
-    vec2 u, v;      // texels per unit of s
-    float s;        // of the receiver
-    vec2 plane;     // ds per texel of its tangent plane
-    float scale;    // LightPoint.biasScale
-    int tile;
-    float minReach; // of the filter, in s: half the kernel is reach (u, v)
-    float maxReach;
-};
-
-Footprint footprint(LightPoint point) {
-    Footprint f;
-    vec4 tangents = tileTangents[point.tile];
-    vec2 t = point.uv / tangents.zw + tangents.xy;
-    vec3 u = tileAxes[point.tile] * lightU, v = tileAxes[point.tile] * lightV;
-    vec2 texelsPerS = tangents.zw * float(mapSize) / tileNear[point.tile];
-    f.centre = point.uv * float(mapSize);
-    f.u = (u.xy - u.z * t) * texelsPerS;
-    f.v = (v.xy - v.z * t) * texelsPerS;
-    f.s = point.s;
-    f.plane = point.gradient / float(mapSize);
-    f.scale = point.biasScale;
-    f.tile = point.tile;
-    // Kernel over light size at the receiver: (z - z_b) / z_b = (s_b - s) / s.
-    f.minReach = p_min_kernel * point.s;
-    f.maxReach = max(p_max_kernel, p_min_kernel) * point.s;
-    return f;
-}
-
-// Greatest s of a caster that may hide part of the light within `reach` of s around the receiver;
-// f.s where none may. `dark`: all texels within reach are blockers. Windows of the pyramid are
-// passed over that hold nothing above the receiver's plane, by the comparison that a tap makes, or
-// whose nearest caster is too far from the light to reach out to them.
-float nearestBlocker(Footprint f, float reach, out bool dark) {
-    vec2 extent = abs(f.u) + abs(f.v);
-    vec2 lo = f.centre - reach * extent, hi = f.centre + reach * extent;
-    Windows windows = windowsOver(lo, hi, mapSize);
-    vec2 slope = f.plane * f.scale;
-    float level = f.s * f.scale;
-    float nearest = f.s;
-    dark = true;
-    for (int y = 0; y < windows.count.y; ++y)
-        for (int x = 0; x < windows.count.x; ++x) {
-            Window w = windowAt(windows, ivec2(x, y), f.tile);
-            vec2 away = w.centre - f.centre;
-            float rise = dot(slope, away);
-            float highest = rise + w.toTexel * (abs(slope.x) + abs(slope.y));
-            vec2 tilt = abs(w.gradient - slope);
-            bool lit = w.maxS <= level || w.planeS + w.toTexel * (tilt.x + tilt.y) <= level + rise;
-            bool within = all(lessThanEqual(abs(away) - w.toTexel - 0.5,
-                                            extent * (w.maxS - f.s + f.minReach)));
-            dark = dark && w.minS > level + max(highest, 0.0);
-            if (!lit && within) nearest = max(nearest, w.maxS);
-        }
-    return nearest;
-}
 
 #ifdef ROTATION
 uniform uint seed;
@@ -137,6 +79,28 @@ Taps tapsOf(Footprint f, float reach) {
     return taps;
 }
 
+// First column and row of the k x k taps that may find a blocker, and one past the last.
+ivec4 tapRange(Taps taps, int k) {
+#if defined(EARLY_OUTS) && defined(PATTERN_GRID)
+    // Taps a u + b v that meet the tile's box for some b in [-1, 1], or for some a.
+    vec4 box = tileOfPixel() - taps.centre.xyxy;
+    vec2 u = mix(taps.u, vec2(1e-6), lessThan(abs(taps.u), vec2(1e-6)));
+    vec2 v = mix(taps.v, vec2(1e-6), lessThan(abs(taps.v), vec2(1e-6)));
+    vec4 byU = (box + vec4(-abs(taps.v), abs(taps.v))) / u.xyxy;
+    vec4 byV = (box + vec4(-abs(taps.u), abs(taps.u))) / v.xyxy;
+    vec2 leastU = min(byU.xy, byU.zw), mostU = max(byU.xy, byU.zw);
+    vec2 leastV = min(byV.xy, byV.zw), mostV = max(byV.xy, byV.zw);
+    vec2 least = vec2(max(leastU.x, leastU.y), max(leastV.x, leastV.y));
+    vec2 most = vec2(min(mostU.x, mostU.y), min(mostV.x, mostV.y));
+    // A tap stays within its cell; a hundredth of it is for rounding.
+    vec4 cells = clamp(0.5 * float(k) * (vec4(least, most) + 1.0) + vec4(-0.01, -0.01, 1.01, 1.01),
+                       0.0, float(k));
+    return ivec4(cells);
+#else
+    return ivec4(0, 0, k, k);
+#endif
+}
+
 // s of the caster at `tap` where it blocks, else 0. Beyond the map its edge goes on.
 float blockerAt(Taps taps, vec2 tap) {
     vec2 at = taps.centre + tap.x * taps.u + tap.y * taps.v;
@@ -152,8 +116,9 @@ float blockerAt(Taps taps, vec2 tap) {
 float meanReach(Footprint f, LightPoint point, float reach, vec2 turn) {
     Taps taps = tapsOf(f, reach);
     float weights = 0.0, sum = 0.0;
-    for (int j = 0; j < SEARCH_SIDE; ++j)
-        for (int i = 0; i < SEARCH_SIDE; ++i) {
+    ivec4 range = tapRange(taps, SEARCH_SIDE);
+    for (int j = range.y; j < range.w; ++j)
+        for (int i = range.x; i < range.z; ++i) {
             vec2 tap = tapAt(i, j, SEARCH_SIDE, turn);
             float above = blockerAt(taps, tap) - f.s;
             bool inside = above + f.minReach >= reach * max(abs(tap.x), abs(tap.y));
@@ -173,23 +138,26 @@ float meanReach(Footprint f, LightPoint point, float reach, vec2 turn) {
 float litShare(Footprint f, float reach, vec2 turn) {
     Taps taps = tapsOf(f, reach);
     float blocked = 0.0;
-    for (int j = 0; j < FILTER_SIDE; ++j)
-        for (int i = 0; i < FILTER_SIDE; ++i)
+    ivec4 range = tapRange(taps, FILTER_SIDE);
+    for (int j = range.y; j < range.w; ++j)
+        for (int i = range.x; i < range.z; ++i)
             blocked += blockerAt(taps, tapAt(i, j, FILTER_SIDE, turn)) > 0.0 ? 1.0 : 0.0;
     return 1.0 - blocked / float(FILTER_SIDE * FILTER_SIDE);
 }
 
 float softVisibility(LightPoint point) {
-    Footprint f = footprint(point);
+    Footprint f = footprint(point, p_min_kernel, p_max_kernel);
     // As if a caster were at the near plane, then down to the nearest that is found to matter.
     float reach = min(1.0 - f.s + f.minReach, f.maxReach);
 #ifdef NARROW
     const int kRounds = 3;  // a fourth settles one pixel in fifty and costs all of them
+    Receivers receiver = only(f);
     bool lit = false, dark = false;
     for (int i = 0; i < kRounds && !lit && !dark; ++i) {
-        float nearest = nearestBlocker(f, reach, dark);
-        lit = nearest <= f.s;
-        if (!lit) reach = min(reach, nearest - f.s + f.minReach);
+        Blockers found = nearestBlocker(receiver, reach, 0);
+        lit = found.nearest <= f.s;
+        dark = found.dark;
+        if (!lit) reach = min(reach, found.nearest - f.s + f.minReach);
     }
 #ifdef EARLY_OUTS
     if (lit) return 1.0;
@@ -201,8 +169,7 @@ float softVisibility(LightPoint point) {
     if (reach == 0.0) return 1.0;
     reach = clamp(reach, f.minReach, f.maxReach);
 #ifdef EARLY_OUTS
-    nearestBlocker(f, reach, dark);
-    if (dark) return 0.0;
+    if (nearestBlocker(receiver, reach, 0).dark) return 0.0;
 #endif
     return litShare(f, reach, turn);
 }

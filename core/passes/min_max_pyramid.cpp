@@ -38,7 +38,6 @@ void MinMaxPyramid::build(const DepthPass& depth) {
     glDisable(GL_BLEND);
     glDisable(GL_CULL_FACE);
     glDisable(GL_SCISSOR_TEST);
-    glViewport(0, 0, blocks, blocks);
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());
     glBindVertexArray(empty_.id());
     map.bind(0);
@@ -46,6 +45,9 @@ void MinMaxPyramid::build(const DepthPass& depth) {
     for (const gl::Program* program : {&base_, &reduce_}) bind(*program);
     for (int level = 0; level < levels_; ++level) {
         const gl::Program& program = level == 0 ? base_ : reduce_;
+        // Windows that reach beyond the map are never asked for.
+        const int windows = blocks - (1 << level) + 1;
+        glViewport(0, 0, windows, windows);
         program.use();
         program.set("childBlocks", 1 << std::max(level - 1, 0));
         for (int tile = 0; tile < map.layers(); ++tile) {

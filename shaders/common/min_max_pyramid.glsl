@@ -37,7 +37,7 @@ Window unpackWindow(uvec4 texel, vec2 firstBlock, float blocks) {
 }
 
 // Few windows that together cover a rectangle, overlapping: 2 x 2 of a square one, at most 4 along
-// a side of any.
+// a side of any; 2^finer times as many along each side.
 struct Windows {
     ivec2 first, last;  // blocks
     ivec2 count;
@@ -45,13 +45,13 @@ struct Windows {
 };
 
 // `lo` to `hi` texels of a map of `mapSize`, a part of which is inside.
-Windows windowsOver(vec2 lo, vec2 hi, int mapSize) {
+Windows windowsOver(vec2 lo, vec2 hi, int mapSize, int finer) {
     Windows w;
     w.first = ivec2(max(lo, 0.0) / pyramidBlockTexels);
     w.last = ivec2(min(hi, float(mapSize) - 0.5) / pyramidBlockTexels);
     ivec2 blocks = w.last - w.first + 1;
     w.level = max(findMSB(min(blocks.x, blocks.y)), findMSB(max(blocks.x, blocks.y) - 1) - 1);
-    w.level = clamp(w.level, 0, pyramidLevels - 1);
+    w.level = clamp(w.level - finer, 0, pyramidLevels - 1);
     w.blocks = 1 << w.level;
     w.count = (blocks + w.blocks - 1) >> w.level;
     return w;

@@ -51,8 +51,7 @@ void main() {
     uint gradients[4];
     float maxS = 0.0, minS = 1.0;
     for (int i = 0; i < 4; ++i) {
-        // Windows that reach beyond the map are never asked for: any child will do.
-        ivec2 block = min(first + ivec2(i & 1, i >> 1) * childBlocks, pyramidBlocks - 1);
+        ivec2 block = first + ivec2(i & 1, i >> 1) * childBlocks;
         uvec4 texel = texelFetch(pyramid, ivec3(block, layer), 0);
         children[i] = unpackWindow(texel, vec2(block), float(childBlocks));
         gradients[i] = texel.b;

@@ -1,5 +1,7 @@
 // The shade pass's doors: one full-screen triangle in, one visibility out.
+#ifndef UNDECIDED_TILES  // common/pixel_classes.glsl draws those
 #include "common/fullscreen.glsl"
+#endif
 #ifdef STAGE_FRAGMENT
 layout(binding = 8) uniform sampler2D gbufferPosition;  // relative position (m), class
 layout(binding = 9) uniform sampler2D gbufferNormal;    // geometric normal

@@ -271,6 +271,32 @@ TEST_F(Pcss, PyramidAnswersAsTheTapsDo) {
     }
 }
 
+TEST_F(Pcss, EarlyOutsChangeNoBit) {
+    Shape shape;
+    shape.rectangle({-2.0, -2.0}, {2.0, 2.0}, 0.0);
+    for (int i = 0; i < 12; ++i) {
+        const glm::dvec2 at(std::sin(2.4 * i) * 0.08 * i, std::cos(2.4 * i) * 0.08 * i);
+        shape.sphere({at, 0.1 + 0.09 * i}, 0.12, 12);
+    }
+    World world{shape.geometry(), lightAbove(3.0, 0.5, 0.25)};
+    world.camera = lookingAt({1.5, -2.5, 2.5}, {0.0, 0.1, 0.2});
+    // No multiple of a tile; and a light at the receivers' height, whose map has side tiles.
+    World beside = world;
+    beside.light = lightAbove(0.9, 0.2, 0.4);
+    const auto check = [](const TestFrame& frame, const Assignments& settings, const char* what) {
+        Assignments narrow = settings;
+        narrow.emplace_back("pyramid", "narrow");
+        const Image taps = render(frame, "pcss", narrow);
+        const Image image = render(frame, "pcss", settings);
+        EXPECT_EQ(violations(frame, image, [&](float v, std::size_t i) { return v == taps[i]; }), 0)
+            << what;
+    };
+    check({world, 126}, {}, "defaults");
+    check({world, 126}, {{"rotation", "true"}, {"min_kernel", "0.3"}}, "rotation, min_kernel");
+    check({world, 126}, {{"pattern", "vogel"}}, "vogel");
+    check({beside, 126}, {}, "side tiles");
+}
+
 TEST_F(Pcss, ReceiversBesideTheLightGetTheirPenumbra) {
     // A wall at x = 2 and a panel before it, parallel to the wall; receivers 60 to 80 degrees off
     // the light's normal, so in side tiles. Their footprint leaves the light's perspective over its

@@ -1,0 +1,70 @@
+#pragma once
+
+#include "core/frame/frame.hpp"
+#include "core/gl/handles.hpp"
+#include "core/gl/program.hpp"
+#include "core/passes/depth_pass.hpp"
+#include "core/passes/min_max_pyramid.hpp"
+
+namespace penumbra {
+
+/// Answers tiles of 4 x 4 pixels at once where the min/max pyramid of the map from the light's
+/// centre leaves no doubt, so that a method shades only the others: `classify`, `shade` with the
+/// method's program, and `answers` over the whole image. llvmpipe takes both sides of every branch;
+/// a tile that is not drawn costs nothing.
+///
+/// A tile is lit where no texel of the map that lies between any of its receivers and any point of
+/// the light is above that receiver's tangent plane by the bias, by the comparison that litAt of
+/// shaders/common/light_view.glsl makes. A caster that hides a point of the light from a receiver
+/// lies in the pyramid between the receiver and the light, and so does whatever hides that caster
+/// from the light's centre: the answer 1 is sound for every method, up to the map's resolution and
+/// its bias (a caster thinner than a texel can fall between). In side tiles of a half cube the
+/// footprint leaves the light's perspective over its own depth out, as pcss does.
+///
+/// A tile is dark where all of those texels block all of its receivers. That is not the truth (the
+/// light's rim may see past what the centre sees) but what a filter over that map must answer:
+/// for pcss alone.
+///
+/// Pixels of undecided tiles know a box of the map outside of which nothing blocks.
+/// shaders/common/pixel_classes.glsl has the GLSL side.
+class PixelClasses {
+  public:
+    /// What is decided besides lit tiles.
+    enum class Dark { no, yes };
+
+    PixelClasses() = default;
+    /// Compiles; textures are allocated by classify.
+    static PixelClasses create(Dark dark);
+
+    /// Widths of the footprint at the receiver, in sizes of the light: as wide as the casters
+    /// found make it within these. For casters at any height `most` has no bound.
+    struct Kernel {
+        float least = 0.0f;
+        float most = 1e6f;
+    };
+    /// Classes of the tiles of `frame`'s pixels under `depth`'s map and the pyramid built of it.
+    void classify(const Frame& frame, const DepthPass& depth, const MinMaxPyramid& pyramid,
+                  float biasTexels, const Kernel& kernel);
+    /// Runs `program` (UNDECIDED_TILES defined, all of its own textures but unit 2 bound) over the
+    /// pixels of undecided tiles. Sets all GL state it needs.
+    void shade(const gl::Program& program, const Frame& frame) const;
+    /// The program that writes the answers, in use and with what it reads bound, for
+    /// VisibilityTarget::draw.
+    const gl::Program& answers() const;
+
+    const gl::Texture& tiles() const { return tiles_; }  ///< RGBA32F, a texel per tile
+    double mebibytes() const { return tiles_.mebibytes() + shaded_.mebibytes(); }
+
+  private:
+    void begin(const gl::Framebuffer& framebuffer, const Frame& frame) const;
+
+    gl::Program classify_, answers_;
+    gl::Texture tiles_, shaded_;
+    gl::Framebuffer tileBuffer_, pixelBuffer_;
+    gl::VertexArray empty_;
+};
+
+/// Sets the uniforms of shaders/common/footprint.glsl on `program` (in use).
+void setFootprint(const gl::Program& program, const AreaLight& light);
+
+}  // namespace penumbra
