@@ -61,6 +61,7 @@ int runCommandLine(int argc, char** argv) {
     app.require_subcommand(1);
     Action action;
     addCompareCommand(app, action, quoted(argc, argv));
+    addTuneCommand(app, action);
     addListCommand(app, action);
     addReportCommand(app, action);
     addMergeCommand(app, action);

@@ -11,6 +11,7 @@ using Action = std::function<int()>;
 
 /// Each adds one subcommand to `app`; when it was given on the command line `action` is set.
 /// `commandLine` is the command as typed.
+void addTuneCommand(CLI::App& app, Action& action);
 void addListCommand(CLI::App& app, Action& action);
 void addCompareCommand(CLI::App& app, Action& action, const std::string& commandLine);
 void addReportCommand(CLI::App& app, Action& action);

@@ -12,6 +12,7 @@ namespace {
 struct Entered {
     CompareOptions options;
     std::optional<std::string> size;
+    std::optional<int> repeats;
     std::string shard = "1/1", effects = "auto", context = "osmesa";
 };
 
@@ -23,6 +24,7 @@ int run(Entered entered) {
         throw InputError(fmt::format("--shard {}: expected I/N with 1 <= I <= N", entered.shard));
     o.effects = EffectChoice::parse(entered.effects);
     o.context = gl::parseContextKind(entered.context);
+    o.repeats = entered.repeats.value_or(o.paired.empty() ? 5 : 25);
     return compare(o);
 }
 
@@ -41,10 +43,17 @@ void addCompareCommand(CLI::App& app, Action& action, const std::string& command
     command->add_option("--set", o.settings.sets, "METHOD.PARAMETER=VALUE");
     command->add_option("--sweep", o.settings.sweeps, "METHOD.PARAMETER=VALUE,VALUE,...");
     command->add_flag("--ladder", o.settings.ladder, "every method's quality ladder");
+    command
+        ->add_option("--paired", o.paired,
+                     "A B: time two settings in pairs and say which is faster; each is METHOD or "
+                     "'METHOD:PARAMETER=VALUE;PARAMETER=VALUE...', as the CSV's method and params")
+        ->expected(2);
     command->add_option("--effects", entered->effects,
                         "auto | all | none | a,b,... (see list effects)");
     addTruthOptions(*command, o, entered->size, "image size WxH (default: 512x512)");
-    command->add_option("--repeats", o.repeats, "timed repeats of every cell")
+    command
+        ->add_option("--repeats", entered->repeats,
+                     "timed repeats of every cell (default: 5), or pairs (default: 25)")
         ->check(CLI::Range(1, 10000));
     command->add_option("--curve-metric", o.curveMetric,
                         "error on curves and in cost tables (default: rmse; see list metrics)");

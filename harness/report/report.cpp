@@ -11,6 +11,7 @@
 #include "harness/report/summary.hpp"
 #include "harness/run/files.hpp"
 #include "harness/study/curve.hpp"
+#include "harness/study/paired_report.hpp"
 
 namespace penumbra {
 namespace {
@@ -113,7 +114,10 @@ void writeSummary(const RunFolder& folder, const std::string& curveMetric) {
     input.references = record.references;
     input.phases = record.phases;
     input.skippedScenes = record.skippedScenes;
-    writeFileAtomically(folder.summary(), summaryMarkdown(input));
+    std::string text = summaryMarkdown(input);
+    if (std::filesystem::exists(folder.paired()))
+        text += pairedMarkdown(readPairedCsv(folder.paired()), input.rows, record.settings);
+    writeFileAtomically(folder.summary(), text);
 }
 
 }  // namespace penumbra

@@ -68,6 +68,7 @@ void runCells(const Frame& frame, const CellOptions& options, const std::vector<
               const std::function<void(Row&&, const std::vector<float>&)>& done) {
     struct Cell {
         SettingRun* run;
+        std::size_t index;  ///< in `runs`
         Row row;
         std::vector<double> build, shade, total;
     };
@@ -89,8 +90,9 @@ void runCells(const Frame& frame, const CellOptions& options, const std::vector<
     };
 
     std::vector<Cell> cells;
-    for (SettingRun* run : runs) {
-        Cell cell{run, {}, {}, {}, {}};
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+        SettingRun* const run = runs[r];
+        Cell cell{run, r, {}, {}, {}, {}};
         cell.row.scene = frame.scene.id;
         cell.row.frame = frame.index;
         cell.row.method = run->setting().method;
@@ -125,6 +127,7 @@ void runCells(const Frame& frame, const CellOptions& options, const std::vector<
                     cell.build.push_back(s.buildMs);
                     cell.shade.push_back(s.shadeMs);
                     cell.total.push_back(s.buildMs + s.shadeMs);
+                    if (options.sampled) options.sampled(cell.index, s);
                 }))
                 cell.run = nullptr;
         }

@@ -61,6 +61,8 @@ struct CellOptions {
     /// runs report the same as whole ones.
     bool keepMaps = false;
     int repeats = 5;
+    /// Told every timed frame as it is measured, round by round: which of the runs, and its times.
+    std::function<void(std::size_t, const SettingRun::Sample&)> sampled{};
 };
 
 /// Runs every setting in `runs` on one frame: a warm-up each, then the repeats in rounds whose

@@ -23,6 +23,7 @@
 #include "harness/run/run_record.hpp"
 #include "harness/run/separation.hpp"
 #include "harness/run/suite.hpp"
+#include "harness/study/paired_report.hpp"
 
 namespace penumbra {
 namespace {
@@ -92,6 +93,28 @@ LoadedScenes loadScenes(const CompareOptions& options) {
     return loaded;
 }
 
+/// A and B of `--paired`, or one where they are the same.
+std::vector<Setting> pairedSettings(const CompareOptions& options) {
+    const SettingChoice& choice = options.settings;
+    if (!choice.methods.empty() || !choice.sets.empty() || !choice.sweeps.empty() || choice.ladder)
+        throw InputError(
+            "--paired: names both settings itself, as in --paired pcf 'pcss:blocker_taps=25'; "
+            "--method, --set, --sweep and --ladder cannot be combined with it");
+    if (options.resume || options.shards > 1)
+        throw InputError(
+            "--paired: pairs are timed in one go; --resume and --shard cannot be combined with it");
+    if (options.repeats < static_cast<int>(kFewestForSignTest))
+        throw InputError(fmt::format("--repeats {}: a 95 % interval needs at least {} pairs",
+                                     options.repeats, kFewestForSignTest));
+    std::vector<Setting> settings;
+    for (const std::string& text : options.paired) {
+        Setting setting = parseSetting("--paired", text);
+        if (settings.empty() || settings.front().name != setting.name)
+            settings.push_back(std::move(setting));
+    }
+    return settings;
+}
+
 /// A frame's cells that have no row yet.
 struct Pending {
     std::vector<SettingRun*> methods;
@@ -123,6 +146,9 @@ class Run {
     bool keepsMaps(const Scene& scene, int index, const SceneFrame& now, const Tracer& tracer,
                    const LightBounds& bounds) const;
     void runFrame(const Scene& scene, const Frame& frame, bool keepMaps, const Pending& pending);
+    using Finished = std::vector<std::pair<Row, std::vector<float>>>;
+    Finished pairedCells(const Frame& frame, const CellOptions& options,
+                         const TextureTarget& target);
     Reference referenceFor(const Scene& scene, const Frame& frame);
     bool mine(std::size_t cell) const {
         return cell % static_cast<std::size_t>(options_.shards) ==
@@ -139,6 +165,7 @@ class Run {
     RunRecord record_;
     std::set<std::string> done_;  ///< Row::key of finished cells
     std::unique_ptr<CsvAppender> csv_;
+    std::vector<PairedFrame> pairs_;
     std::size_t framesDone_ = 0, cellsBefore_ = 0;
     int failed_ = 0;
 
@@ -314,14 +341,18 @@ void Run::runFrame(const Scene& scene, const Frame& frame, bool keepMaps, const 
     });
     const SceneFrame sceneFrame{0.0, frame.geometry, frame.light, frame.camera};
     const TextureTarget target(frame.width(), frame.height());
-    std::vector<std::pair<Row, std::vector<float>>> finished;
+    const CellOptions cellOptions{options_.effects, effectsCalledFor(scene, sceneFrame), keepMaps,
+                                  options_.repeats};
+    Finished finished;
     clock_.measure("methods", [&] {
-        runCells(
-            frame,
-            {options_.effects, effectsCalledFor(scene, sceneFrame), keepMaps, options_.repeats},
-            pending.methods, target, [&](Row&& row, const std::vector<float>& visibility) {
-                finished.emplace_back(std::move(row), visibility);
-            });
+        if (!options_.paired.empty()) {
+            finished = pairedCells(frame, cellOptions, target);
+            return;
+        }
+        runCells(frame, cellOptions, pending.methods, target,
+                 [&](Row&& row, const std::vector<float>& visibility) {
+                     finished.emplace_back(std::move(row), visibility);
+                 });
     });
     if (pending.separation)
         finished.emplace_back(separationRow(frame), separationImage(reference, frame.gbuffer));
@@ -355,6 +386,19 @@ void Run::runFrame(const Scene& scene, const Frame& frame, bool keepMaps, const 
     }
 }
 
+Run::Finished Run::pairedCells(const Frame& frame, const CellOptions& options,
+                               const TextureTarget& target) {
+    const Setting &a = settings_.front(), &b = settings_.back();
+    PairedResult result = measurePaired(frame, options, a, b, target);
+    if (result.ok())
+        pairs_.push_back({frame.scene.id, frame.index, a.name, b.name, std::move(result.pairs)});
+    writePairedCsv(folder_.paired(), pairs_);
+    Finished finished;
+    finished.emplace_back(std::move(result.a), std::move(result.visibilityA));
+    if (a.name != b.name) finished.emplace_back(std::move(result.b), std::move(result.visibilityB));
+    return finished;
+}
+
 Reference Run::referenceFor(const Scene& scene, const Frame& frame) {
     ObtainedReference obtained =
         obtainReference(scene, frame.index, frame.tracer, frame.gbuffer, frame.light, options_,
@@ -382,7 +426,8 @@ int compare(const CompareOptions& options) {
         throw InputError("--resume: name the run folder to continue with --out");
     requireCostMetric(options.curveMetric);
     const auto start = std::chrono::steady_clock::now();
-    std::vector<Setting> settings = expandSettings(options.settings);
+    std::vector<Setting> settings =
+        options.paired.empty() ? expandSettings(options.settings) : pairedSettings(options);
     LoadedScenes loaded = loadScenes(options);
     const double loadSeconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -400,6 +445,10 @@ int compare(const CompareOptions& options) {
     });
     run.openFolder();
     const int code = run.cells();
+    if (!options.paired.empty())
+        for (const PairedFinding& f :
+             pairedFindings(readPairedCsv(folder.paired()), readCsv(folder.results())))
+            fmt::print("{}: {}\n", f.scene, f.sentence());
     fmt::print("{}\n", std::filesystem::absolute(folder.root()).lexically_normal().string());
     return code;
 }

@@ -16,8 +16,10 @@ struct CompareOptions : TruthOptions {
     std::string suite;                ///< id; empty with no scene: "standard"
     std::vector<std::string> scenes;  ///< ids, scripts or assets
     SettingChoice settings;
+    /// Two settings as parseSetting reads them, to be timed in pairs; empty: those of `settings`.
+    std::vector<std::string> paired;
     EffectChoice effects;
-    int repeats = 5;
+    int repeats = 5;  ///< pairs, where `paired` is given
     std::string curveMetric = "rmse";  ///< on the error axis of curves
     gl::ContextKind context = gl::ContextKind::osmesa;
     std::filesystem::path out;  ///< empty: results/<time>
@@ -26,8 +28,9 @@ struct CompareOptions : TruthOptions {
     std::string command;        ///< as typed, for the record
 };
 
-/// Runs all cells and writes the run folder. Returns 0, or 3 when some cells failed. Throws
-/// InputError for bad input before anything is written.
+/// Runs all cells and writes the run folder; with `paired` also paired.csv, and tells on standard
+/// output what A is against B on every scene and overall. Returns 0, or 3 when some cells failed.
+/// Throws InputError for bad input before anything is written.
 int compare(const CompareOptions& options);
 
 }  // namespace penumbra

@@ -9,9 +9,7 @@
 #include <cerrno>
 #include <charconv>
 #include <cstring>
-#include <fstream>
 #include <functional>
-#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -19,6 +17,7 @@
 #include <utility>
 
 #include "core/error.hpp"
+#include "harness/run/csv.hpp"
 
 namespace penumbra {
 
@@ -162,82 +161,12 @@ std::string fieldOf(const Row& row, const Column& column) {
     return field;
 }
 
-// ---- records ---------------------------------------------------------------------------------
-
-struct Record {
-    std::size_t line = 0;  ///< of the file, from 1, where the record starts
-    std::vector<std::string> fields;
-};
-
-struct Records {
-    std::vector<Record> complete;
-    std::size_t completeBytes = 0;  ///< what follows is a record cut short
-};
-
-/// Splits RFC 4180 text. Only a record with its line end is complete: anything else may have been
-/// cut by a kill, even inside a quoted field that holds a newline.
-Records splitRecords(const std::string& text, const std::string& file) {
-    Records records;
-    std::size_t line = 1;
-    std::size_t pos = 0;
-    while (pos < text.size()) {
-        Record record;
-        record.line = line;
-        std::string field;
-        bool ended = false;
-        while (!ended && pos < text.size()) {
-            if (text[pos] == '"' && field.empty()) {
-                bool open = true;
-                for (++pos; open && pos < text.size(); ++pos) {
-                    if (text[pos] != '"') {
-                        line += text[pos] == '\n';
-                        field += text[pos];
-                    } else if (pos + 1 < text.size() && text[pos + 1] == '"') {
-                        field += text[pos++];
-                    } else {
-                        open = false;
-                    }
-                }
-                if (open || pos == text.size()) break;
-                const bool lineEnd =
-                    text[pos] == '\n' || std::string_view("\r\n").starts_with(text.substr(pos, 2));
-                if (text[pos] != ',' && !lineEnd) {
-                    throw InputError(fmt::format("{}:{}: text after a closing quote in column {}",
-                                                 file, line, record.fields.size() + 1));
-                }
-            }
-            const std::size_t stop = text.find_first_of(",\n", pos);
-            if (stop == std::string::npos) {
-                pos = text.size();
-                break;
-            }
-            std::size_t fieldEnd = stop;
-            ended = text[stop] == '\n';
-            if (ended && stop > pos && text[stop - 1] == '\r') --fieldEnd;
-            field.append(text, pos, fieldEnd - pos);
-            record.fields.push_back(std::exchange(field, {}));
-            pos = stop + 1;
-        }
-        if (!ended) break;
-        ++line;
-        records.complete.push_back(std::move(record));
-        records.completeBytes = pos;
-    }
-    return records;
-}
-
-std::string readText(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    if (!file) throw InputError(fmt::format("{}: {}", path.string(), std::strerror(errno)));
-    return {std::istreambuf_iterator<char>(file), {}};
-}
-
 /// A file whose very header was cut short, as by a kill right after its creation.
 bool isTornHeader(const std::string& text) {
     return (csvHeader() + '\n').starts_with(text);
 }
 
-Row parseRow(const Record& record, const std::vector<std::string>& header,
+Row parseRow(const CsvRecord& record, const std::vector<std::string>& header,
              const std::string& file) {
     if (record.fields.size() != header.size()) {
         throw InputError(fmt::format("{}:{}: {} fields, expected {}", file, record.line,
@@ -287,16 +216,6 @@ void appendDurably(int fd, const std::string& text) {
 
 }  // namespace
 
-std::string csvQuoted(const std::string& field) {
-    if (field.find_first_of(",\"\r\n") == std::string::npos) return field;
-    std::string out = "\"";
-    for (const char c : field) {
-        if (c == '"') out += '"';
-        out += c;
-    }
-    return out + '"';
-}
-
 std::optional<double> numberInColumn(const Row& row, std::string_view name) {
     const auto column = std::ranges::find(columns(), name, &Column::name);
     if (column == columns().end() || column->text)
@@ -338,9 +257,9 @@ std::string toJson(const Row& row) {
 
 std::vector<Row> readCsv(const std::filesystem::path& path) {
     const std::string file = path.string();
-    const std::string text = readText(path);
+    const std::string text = readTextFile(path);
     if (isTornHeader(text)) return {};
-    const Records records = splitRecords(text, file);
+    const CsvRecords records = splitCsv(text, file);
     if (records.complete.empty()) throw InputError(file + ":1: no header line");
 
     const std::vector<std::string>& header = records.complete.front().fields;
@@ -361,9 +280,9 @@ CsvAppender::CsvAppender(const std::filesystem::path& path) {
     std::error_code ignored;
     std::size_t keep = 0;
     if (std::filesystem::exists(path, ignored)) {
-        const std::string text = readText(path);
+        const std::string text = readTextFile(path);
         if (!isTornHeader(text) || text.ends_with('\n')) {
-            const Records records = splitRecords(text, path.string());
+            const CsvRecords records = splitCsv(text, path.string());
             std::string header;
             if (!records.complete.empty()) {
                 header = fmt::format("{}", fmt::join(records.complete.front().fields, ","));

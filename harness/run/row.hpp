@@ -39,8 +39,6 @@ struct Row {
 /// if there is no such column or it holds text.
 std::optional<double> numberInColumn(const Row& row, std::string_view name);
 
-/// A field as it stands in a CSV: in quotes where it must be (RFC 4180).
-std::string csvQuoted(const std::string& field);
 /// Column names in order, joined with commas.
 std::string csvHeader();
 /// One line without the line end; RFC 4180 quoting, C locale.

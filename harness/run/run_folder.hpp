@@ -23,6 +23,8 @@ class RunFolder {
     const std::filesystem::path& root() const { return root_; }
     std::filesystem::path record() const { return root_ / "run.json"; }
     std::filesystem::path results() const { return root_ / "results.csv"; }
+    /// Only in a run of `compare --paired`.
+    std::filesystem::path paired() const { return root_ / "paired.csv"; }
     std::filesystem::path summary() const { return root_ / "summary.md"; }
     std::filesystem::path grid(const std::string& scene) const {
         return root_ / "grid" / (scene + ".png");

@@ -127,4 +127,36 @@ std::vector<Setting> expandSettings(const SettingChoice& choice) {
     return settings;
 }
 
+Setting parseSetting(const std::string& option, const std::string& text) {
+    const auto malformed = [&] {
+        return InputError(fmt::format(
+            "{} {}: expected METHOD or METHOD:PARAMETER=VALUE;PARAMETER=VALUE...", option, text));
+    };
+    const auto colon = text.find(':');
+    const std::string id = text.substr(0, colon);
+    if (id.empty()) throw malformed();
+    findMethod(id);
+    Assignments assignments;
+    for (std::size_t begin = colon; begin < text.size();) {
+        const std::size_t end = std::min(text.find(';', begin + 1), text.size());
+        const std::string part = text.substr(begin + 1, end - begin - 1);
+        const auto equals = part.find('=');
+        if (equals == 0 || equals == std::string::npos) throw malformed();
+        const std::string parameter = part.substr(0, equals);
+        if (std::ranges::find(assignments, parameter, &Assignments::value_type::first) !=
+            assignments.end())
+            throw InputError(fmt::format("{} {}: {} is given twice", option, text, parameter));
+        assignments.emplace_back(parameter, part.substr(equals + 1));
+        begin = end;
+    }
+    return makeSetting(id, assignments);
+}
+
+std::string spelled(const Setting& setting) {
+    std::string text = setting.method;
+    for (const auto& [parameter, value] : setting.assignments)
+        text += (text.size() == setting.method.size() ? ':' : ';') + parameter + '=' + value;
+    return text;
+}
+
 }  // namespace penumbra

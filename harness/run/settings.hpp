@@ -36,4 +36,12 @@ struct SettingChoice {
 /// included), parameter or value.
 std::vector<Setting> expandSettings(const SettingChoice& choice);
 
+/// One setting spelled as METHOD or METHOD:PARAMETER=VALUE;PARAMETER=VALUE..., as the CSV's method
+/// and params columns say it; what is not given is at its default. `option` names the place in
+/// errors. Throws InputError for anything else, an unknown method, parameter or value included.
+Setting parseSetting(const std::string& option, const std::string& text);
+
+/// What parseSetting reads as this setting, the shortest there is.
+std::string spelled(const Setting& setting);
+
 }  // namespace penumbra

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "core/sampling/sampling.hpp"
 
@@ -32,6 +33,22 @@ TimingSummary summarise(const std::vector<double>& values, std::uint32_t seed) {
     summary.high = medians[kResamples * 975 / 1000 - 1];
     summary.unstable = summary.high - summary.low > 0.2 * summary.median;
     return summary;
+}
+
+MedianInterval signTestInterval(std::vector<double> values) {
+    const std::size_t n = values.size();
+    if (n < kFewestForSignTest)
+        throw std::invalid_argument("a 95 % interval of a median needs at least 6 values");
+    std::ranges::sort(values);
+    // P(heads = i) by its logarithm: 2^-n alone underflows beyond a thousand values.
+    double logChance = -static_cast<double>(n) * std::log(2.0), tail = std::exp(logChance);
+    std::size_t k = 0;
+    while (tail <= 0.025) {
+        ++k;
+        logChance += std::log(static_cast<double>(n - k + 1) / static_cast<double>(k));
+        tail += std::exp(logChance);
+    }
+    return {median(values), values[k - 1], values[n - k]};
 }
 
 }  // namespace penumbra

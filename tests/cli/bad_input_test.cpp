@@ -191,5 +191,31 @@ TEST_F(BadInput, FoldersThatAreNoRun) {
     expectRefused({"merge", path("run")}, {"runs"});
 }
 
+TEST_F(BadInput, PairsAreTwoSettingsAndNothingElse) {
+    expectVariantRefused({"--paired", "pcf", "nope"}, {"'nope'", "hard", "pcf"});
+    expectVariantRefused({"--paired", "pcf", "pcf:taps"}, {"METHOD:PARAMETER=VALUE"});
+    expectVariantRefused({"--paired", "pcf", "pcf:taps=0"}, {"pcf.taps", "1..1024"});
+    expectVariantRefused({"--paired", "pcf"}, {"--paired"});
+    expectVariantRefused({"--paired", "pcf", "hard", "--repeats", "5"}, {"--repeats 5", "6"});
+    expectVariantRefused({"--paired", "pcf", "hard", "--method", "pcf"}, {"--paired", "--method"});
+    expectVariantRefused({"--paired", "pcf", "hard", "--shard", "1/2"}, {"--paired", "--shard"});
+}
+
+TEST_F(BadInput, TuneNeedsOneLimitThatMakesSense) {
+    const auto expectTuneRefused = [&](Texts arguments, const Texts& said) {
+        const Texts always = {"tune", "--scene", "half_plane", "--cache", path("cache")};
+        arguments.insert(arguments.begin(), always.begin(), always.end());
+        expectRefusal(arguments, said, test::penumbraInProcess);
+    };
+    expectTuneRefused({}, {"--max-rmse", "--max-ms"});
+    expectTuneRefused({"--max-rmse", "0.1", "--max-ms", "5"}, {"--max-rmse", "--max-ms"});
+    expectTuneRefused({"--max-rmse", "-0.1"}, {"--max-rmse -0.1", "above 0"});
+    expectTuneRefused({"--max-rmse", "nan"}, {"--max-rmse", "above 0"});
+    expectTuneRefused({"--max-ms", "-3"}, {"--max-ms -3", "above 0"});
+    expectTuneRefused({"--max-ms", "inf"}, {"--max-ms", "above 0"});
+    expectTuneRefused({"--max-ms", "5", "--method", "nope"}, {"'nope'", "hard", "pcf"});
+    expectTuneRefused({"--max-ms", "5", "--frame", "9"}, {"--frame 9", "only frame 0"});
+}
+
 }  // namespace
 }  // namespace penumbra

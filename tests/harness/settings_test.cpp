@@ -176,5 +176,33 @@ TEST(Settings, UnknownNamesAndValuesListTheValidOnes) {
               "probe.shape: 'round' is not one of disc|square");
 }
 
+TEST(ParseSetting, ReadsWhatSpelledWritesAndTheCsvHolds) {
+    EXPECT_EQ(parseSetting("--paired", "hard").name, "hard");
+    const Setting s = parseSetting("--paired", "pcf:taps=9;map_size=512");
+    EXPECT_EQ(s.make()->text(), s.params);
+    EXPECT_EQ(spelled(s), "pcf:map_size=512;taps=9");
+    EXPECT_EQ(parseSetting("--paired", spelled(s)).name, s.name);
+    EXPECT_EQ(parseSetting("--paired", s.method + ":" + s.params).name, s.name);
+    EXPECT_EQ(spelled(parseSetting("--paired", "pcf:taps=49")), "pcf") << "49 is the default";
+}
+
+TEST(ParseSetting, RefusesTheRestSayingWhatIsValid) {
+    const auto expectRefused = [](const std::string& text, const std::string& said) {
+        try {
+            parseSetting("--paired", text);
+            ADD_FAILURE() << text;
+        } catch (const InputError& e) {
+            EXPECT_NE(std::string(e.what()).find(said), std::string::npos) << e.what();
+        }
+    };
+    for (const char* text : {"", ":taps=9", "pcf:", "pcf:taps", "pcf:=9", "pcf:taps=9;"})
+        expectRefused(text, "METHOD:PARAMETER=VALUE");
+    expectRefused("nope", "pcf");
+    expectRefused("pcf:nope=1", "taps");
+    expectRefused("pcf:taps=0", "1..1024");
+    expectRefused("pcf:taps=9;taps=9", "twice");
+    expectRefused("separation", "pcf");
+}
+
 }  // namespace
 }  // namespace penumbra

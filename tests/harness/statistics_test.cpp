@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
+
 namespace penumbra {
 namespace {
 
@@ -63,6 +65,27 @@ TEST(Summarise, TheSameValuesAndSeedGiveTheSameInterval) {
     EXPECT_LE(a.low, a.median);
     EXPECT_GE(a.high, a.median);
     EXPECT_LT(a.low, a.high);
+}
+
+// What the percentile bootstrap promises and keeps. Of 5 values its interval is the whole span (the
+// least value is the resample's median with a chance of 5.8 %), which misses the true median with a
+// chance of 2/32: 93.75 % is all that 5 repeats can give. Of more it is near 95 %; three standard
+// deviations of 1,000 trials are 2.3 and 2.1 %, and the percentiles are those of a discrete
+// distribution, which costs up to 1.5 %.
+TEST(Summarise, TheBootstrapIntervalHoldsTheMedianAsOftenAsItSays) {
+    constexpr int kTrials = 1000;
+    for (const int n : {5, 9, 25}) {
+        int held = 0;
+        for (std::uint32_t trial = 0; trial < kTrials; ++trial) {
+            std::mt19937 random(trial);
+            std::lognormal_distribution<double> noise(0.0, 0.5);  // median 1
+            std::vector<double> values;
+            for (int i = 0; i < n; ++i) values.push_back(noise(random));
+            const TimingSummary s = summarise(values, trial);
+            held += s.low <= 1.0 && 1.0 <= s.high;
+        }
+        EXPECT_GE(held, (n == 5 ? 0.9375 - 0.023 : 0.95 - 0.036) * kTrials) << n;
+    }
 }
 
 }  // namespace

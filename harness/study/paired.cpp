@@ -1,0 +1,44 @@
+#include "harness/study/paired.hpp"
+
+#include <utility>
+
+namespace penumbra {
+
+PairedVerdict verdictOf(const MedianInterval& speedup) {
+    return speedup.low > 1.0    ? PairedVerdict::faster
+           : speedup.high < 1.0 ? PairedVerdict::slower
+                                : PairedVerdict::indistinguishable;
+}
+
+PairedTiming judgePairs(const std::vector<PairSample>& pairs) {
+    std::vector<double> ratios;
+    for (const PairSample& pair : pairs) ratios.push_back(pair.bMs / pair.aMs);
+    const MedianInterval speedup = signTestInterval(std::move(ratios));
+    return {speedup, pairs.size(), verdictOf(speedup)};
+}
+
+PairedResult measurePaired(const Frame& frame, CellOptions options, const Setting& a,
+                           const Setting& b, const TextureTarget& target) {
+    PairedResult result;
+    SettingRun runA(a), runB(b);
+    std::size_t timed = 0;
+    options.sampled = [&](std::size_t run, const SettingRun::Sample& sample) {
+        const bool isA = run == 0;
+        if (timed++ % 2 == 0) result.pairs.push_back({isA, 0.0, 0.0});
+        PairSample& pair = result.pairs.back();
+        (isA ? pair.aMs : pair.bMs) = sample.buildMs + sample.shadeMs;
+    };
+    // Rows come without saying whose they are; of two equal settings either may be A.
+    bool haveA = false;
+    runCells(frame, options, {&runA, &runB}, target,
+             [&](Row&& row, const std::vector<float>& visibility) {
+                 const bool isA = !haveA && row.setting == a.name;
+                 haveA |= isA;
+                 (isA ? result.a : result.b) = std::move(row);
+                 (isA ? result.visibilityA : result.visibilityB) = visibility;
+             });
+    if (!result.ok()) result.pairs.clear();
+    return result;
+}
+
+}  // namespace penumbra
