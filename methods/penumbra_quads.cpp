@@ -2,15 +2,17 @@
 // space, one away from its caster and one over it, which carry visibility from 1/2 at the edge to 1
 // and to 0 into an outer and an inner penumbra map (Arvo, Westerholm 2004; METHODS.md 14).
 // Receivers in the first shadow map read the outer map, those in the second, peeled from the front
-// faces behind the first, the inner one, and all others are dark (section 4.4). Edges are found and
-// stretched in the vertex shader; the CPU only follows moving casters
+// faces behind the first, the inner one, and all others are dark (section 4.4). The vertex shader
+// stretches edges, a compute pass before it lists those that are silhouettes: sending all of them
+// through as degenerate quads, as the paper must and overlap=draw_order still does, makes a build
+// of 170,000 to 300,000 edges 1.4 times as long. The CPU only follows moving casters
 // (core/scene/edge_adjacency.hpp).
 //
 // Right for one straight edge over one receiver: there, `stretch=texel` and `profile=exact` give
-// the rectangular light's very visibility, while the paper's far plane widens penumbrae on
-// receivers before it by (1/zA - 1/zf) / (1/zA - 1/zr). Where penumbrae overlap, minimum (outer)
-// and maximum (inner) stand in for the union of casters, in any order of drawing; the paper's
-// hardware kept what was drawn last (overlap=draw_order).
+// the rectangular light's very visibility, while the paper's far plane, put into the farthest
+// receiver's depth, widens penumbrae on receivers before it by (1/zA - 1/zf) / (1/zA - 1/zr). Where
+// penumbrae overlap, minimum (outer) and maximum (inner) stand in for the union of casters, in any
+// order of drawing; the paper's hardware kept what was drawn last (overlap=draw_order).
 //
 // Wrong by design: the third surface from the light is dark even in a penumbra (layers, fig. 7).
 // Each edge's quad knows nothing of the caster's other edge: one narrower than its penumbra keeps a
@@ -23,12 +25,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 
 #include "core/error.hpp"
+#include "core/frame/gpu_faces.hpp"
 #include "core/gl/program.hpp"
 #include "core/passes/depth_pass.hpp"
-#include "core/scene/edge_adjacency.hpp"
+#include "core/passes/farthest_pyramid.hpp"
 #include "methods/shadow_method.hpp"
 
 namespace penumbra {
@@ -38,6 +42,15 @@ namespace {
 struct GpuEdge {
     glm::vec4 a, b, stretchA, stretchB, planes[2];
 };
+
+/// Silhouette of shaders/penumbra_quads.glsl.
+struct GpuSilhouette {
+    std::uint32_t entry;
+    float farS[2];
+};
+
+/// Triangles of the six points of an edge, b's the other way round.
+constexpr std::array<std::uint32_t, 12> kQuadIndices = {0, 2, 1, 0, 1, 4, 0, 4, 5, 5, 4, 3};
 
 class PenumbraQuads : public ShadowMethod {
     IntParameter mapSize_{this,
@@ -115,27 +128,29 @@ class PenumbraQuads : public ShadowMethod {
         second_ = gl::Program::graphics("penumbra_quads.glsl", {"PASS_SECOND"});
         piece_ = gl::Program::graphics("penumbra_quads.glsl", {"PASS_PIECES"});
         soft_ = gl::Program::graphics("penumbra_quads.glsl", {"PASS_SHADE"});
-        std::vector<std::string> defines = {"PASS_QUADS"};
+        std::vector<std::string> defines = {"PASS_QUADS", "OUTER"};
         if (stretch_.is("texel")) defines.emplace_back("RECEIVER_TEXEL");
         if (stretch_.is("vertex")) defines.emplace_back("RECEIVER_VERTEX");
         if (corners_.is("averaged")) defines.emplace_back("STRETCH_AVERAGED");
         if (profile_.is("linear")) defines.emplace_back("PROFILE_LINEAR");
         if (inner_.is("seen")) defines.emplace_back("INNER_SEEN");
         if (inner_.is("pieces")) defines.emplace_back("INNER_PIECES");
-        quads_ = gl::Program::graphics("penumbra_quads.glsl", defines);
+        outerQuads_ = gl::Program::graphics("penumbra_quads.glsl", defines);
+        defines[1] = "INNER";
+        innerQuads_ = gl::Program::graphics("penumbra_quads.glsl", defines);
         defines[0] = "PASS_EDGES";
         if (overlap_.is("draw_order")) defines.emplace_back("ORDERED");
         silhouette_ = gl::Program::compute("penumbra_quads.glsl", defines);
-        draw_ = gl::Buffer::create(4 * sizeof(GLuint), nullptr, GL_DYNAMIC_STORAGE_BIT);
+        if (stretch_.is("texel")) farthest_ = FarthestPyramid::create();
+        draw_ = gl::Buffer::create(5 * sizeof(GLuint), nullptr, GL_DYNAMIC_STORAGE_BIT);
         GLuint id = 0;
         glCreateFramebuffers(1, &id);
         framebuffer_ = gl::Framebuffer(id);
         glCreateVertexArrays(1, &id);
-        faceArray_ = gl::VertexArray(id);
-        glCreateVertexArrays(1, &id);
         quadArray_ = gl::VertexArray(id);
         geometry_.reset();
         adjacency_ = {};
+        outlineCount_ = 0;
         useGeometry(scene.frame(0).geometry);
     }
 
@@ -151,6 +166,7 @@ class PenumbraQuads : public ShadowMethod {
         useGeometry(frame.geometry);
         fitFrame(frame);
         renderSecond();
+        if (boundsQuads()) farthest_.build({&depth_.map(), &secondMap_});
         if (inner_.is("pieces")) renderPieces();
         listSilhouettes(frame.light);
         renderQuads(frame.light);
@@ -176,11 +192,12 @@ class PenumbraQuads : public ShadowMethod {
         return {
             4, 4.0 * depth_.texels(),
             depth_.map().mebibytes() + secondMap_.mebibytes() + penumbraMap_.mebibytes() +
-                pieceMap_.mebibytes() + pieceDepth_.mebibytes(),
+                pieceMap_.mebibytes() + pieceDepth_.mebibytes() + farthest_.texture().mebibytes(),
             defects.empty() ? "" : fmt::format("{} edges: {}", adjacency_.edgeCount(), defects)};
     }
 
   private:
+    static constexpr int kBoundedEdges = 1 << 15;
     static constexpr double kNearerTexels = 2.0;  ///< quads closer to a surface lie on it
     static constexpr double kBehindTexels = 0.5;  ///< surfaces closer to the first are the first
 
@@ -190,32 +207,10 @@ class PenumbraQuads : public ShadowMethod {
         geometry_ = geometry;
         if (!adjacency_.describes(*geometry)) {
             adjacency_ = EdgeAdjacency(*geometry, weld_);
-            uploadFaces();
+            faces_ = GpuFaces(adjacency_);
         }
-        positions_ = gl::Buffer::create(geometry->positions.size() * sizeof(glm::vec3),
-                                        geometry->positions.data());
-        glVertexArrayVertexBuffer(faceArray_.id(), 0, positions_.id(), 0, sizeof(glm::vec3));
-        glVertexArrayAttribFormat(faceArray_.id(), 0, 3, GL_FLOAT, GL_FALSE, 0);
-        glVertexArrayAttribBinding(faceArray_.id(), 0, 0);
-        glEnableVertexArrayAttrib(faceArray_.id(), 0);
+        faces_.place(*geometry);
         uploadEdges();
-    }
-
-    /// Solids' faces first, then sheets'.
-    void uploadFaces() {
-        std::vector<std::uint32_t> indices, pieces;
-        for (const bool solid : {true, false}) {
-            for (const EdgeAdjacency::Face& face : adjacency_.faces())
-                if (face.solid == solid) {
-                    indices.insert(indices.end(), face.vertices.begin(), face.vertices.end());
-                    pieces.push_back(face.piece);
-                }
-            if (solid) solidFaces_ = static_cast<int>(pieces.size());
-        }
-        faceCount_ = static_cast<int>(pieces.size());
-        faceIndices_ = gl::Buffer::create(indices.size() * sizeof(std::uint32_t), indices.data());
-        facePieces_ = gl::Buffer::create(pieces.size() * sizeof(std::uint32_t), pieces.data());
-        glVertexArrayElementBuffer(faceArray_.id(), faceIndices_.id());
     }
 
     void uploadEdges() {
@@ -228,9 +223,16 @@ class PenumbraQuads : public ShadowMethod {
                              glm::vec4(e.stretchA, 0.0f),
                              glm::vec4(e.stretchB, 0.0f),
                              {e.planes[0], e.planes[1]}});
-        outlineCount_ = static_cast<int>(edges.size());
         edges_ = gl::Buffer::create(edges.size() * sizeof(GpuEdge), edges.data());
-        silhouettes_ = gl::Buffer::create(edges.size() * sizeof(std::uint32_t), nullptr);
+        if (outlineCount_ == static_cast<int>(edges.size())) return;
+        outlineCount_ = static_cast<int>(edges.size());
+        silhouettes_ = gl::Buffer::create(edges.size() * sizeof(GpuSilhouette), nullptr);
+        std::vector<std::uint32_t> indices;
+        indices.reserve(edges.size() * kQuadIndices.size());
+        for (std::uint32_t i = 0; i < edges.size(); ++i)
+            for (const std::uint32_t point : kQuadIndices) indices.push_back(6 * i + point);
+        quadIndices_ = gl::Buffer::create(indices.size() * sizeof(std::uint32_t), indices.data());
+        glVertexArrayElementBuffer(quadArray_.id(), quadIndices_.id());
     }
 
     void fitFrame(const Frame& frame) {
@@ -252,76 +254,67 @@ class PenumbraQuads : public ShadowMethod {
         pieceDepth_ = gl::Texture::create2D(GL_DEPTH_COMPONENT32F, mapSize_, mapSize_);
     }
 
-    /// The framebuffer on these textures, and the state of a pass over the light's view.
-    void beginPass(const gl::Texture* colour, int layer, const gl::Texture* depth) const {
-        const GLuint id = framebuffer_.id();
-        glNamedFramebufferTexture(id, GL_DEPTH_ATTACHMENT, depth ? depth->id() : 0, 0);
-        if (colour && colour->layers() > 0)
-            glNamedFramebufferTextureLayer(id, GL_COLOR_ATTACHMENT0, colour->id(), 0, layer);
+    void attach(GLenum attachment, const gl::Texture* texture, int layer) const {
+        if (texture && texture->layers() > 0)
+            glNamedFramebufferTextureLayer(framebuffer_.id(), attachment, texture->id(), 0, layer);
         else
-            glNamedFramebufferTexture(id, GL_COLOR_ATTACHMENT0, colour ? colour->id() : 0, 0);
-        glNamedFramebufferDrawBuffer(id, colour ? GL_COLOR_ATTACHMENT0 : GL_NONE);
-        (depth ? glEnable : glDisable)(GL_DEPTH_TEST);
+            glNamedFramebufferTexture(framebuffer_.id(), attachment, texture ? texture->id() : 0,
+                                      0);
+    }
+
+    /// The framebuffer on these textures, and the state of a pass over the light's view. The depth
+    /// is cleared unless it is `kept`, which also protects it.
+    void beginPass(const gl::Texture* colour, int layer, const gl::Texture& depth,
+                   bool kept = false) const {
+        attach(GL_DEPTH_ATTACHMENT, &depth, 0);
+        attach(GL_COLOR_ATTACHMENT0, colour, layer);
+        glNamedFramebufferDrawBuffer(framebuffer_.id(), colour ? GL_COLOR_ATTACHMENT0 : GL_NONE);
+        glEnable(GL_DEPTH_TEST);
         glDepthFunc(GL_GREATER);
-        glDepthMask(GL_TRUE);
+        glDepthMask(!kept);
         glEnable(GL_DEPTH_CLAMP);
         glDisable(GL_CULL_FACE);
         glDisable(GL_BLEND);
         glDisable(GL_POLYGON_OFFSET_FILL);
         glDisable(GL_SCISSOR_TEST);
         glViewport(0, 0, mapSize_, mapSize_);
-        glBindFramebuffer(GL_FRAMEBUFFER, id);
+        glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());
         constexpr float kNothing = 0.0f;
-        if (depth) glClearNamedFramebufferfv(id, GL_DEPTH, 0, &kNothing);
+        if (!kept) glClearNamedFramebufferfv(framebuffer_.id(), GL_DEPTH, 0, &kNothing);
     }
     static void endPass() {
         glDisable(GL_DEPTH_CLAMP);
         glDisable(GL_DEPTH_TEST);
-        glBindVertexArray(0);
-    }
-
-    /// Solids' faces but for those that `culled` says, and all sheets.
-    void drawFaces(const gl::Program& program, GLenum culled) const {
-        program.set("clipFromWorld", depth_.view().clipFromWorld(0));
-        glBindVertexArray(faceArray_.id());
-        const auto draw = [&](int first, int end) {
-            program.set("firstFace", first);
-            const auto offset = static_cast<std::uintptr_t>(first) * 3 * sizeof(std::uint32_t);
-            if (end > first)
-                glDrawElements(GL_TRIANGLES, 3 * (end - first), GL_UNSIGNED_INT,
-                               reinterpret_cast<const void*>(offset));
-        };
-        // The light looks along +z of right-handed axes: what runs counterclockwise for it runs
-        // clockwise in its map.
-        glFrontFace(GL_CW);
-        glCullFace(culled);
-        glEnable(GL_CULL_FACE);
-        draw(0, solidFaces_);
-        glDisable(GL_CULL_FACE);
-        glFrontFace(GL_CCW);
-        draw(solidFaces_, faceCount_);
+        glDepthMask(GL_TRUE);
     }
 
     void renderSecond() const {
         const gl::DebugGroup group("penumbra quads: second front faces");
-        beginPass(nullptr, 0, &secondMap_);
+        beginPass(nullptr, 0, secondMap_);
         second_.use();
         depth_.map().bind(0);
         second_.set("behind", static_cast<float>(1.0 - kBehindTexels * texelTangent_));
-        drawFaces(second_, GL_BACK);
+        second_.set("clipFromWorld", depth_.view().clipFromWorld(0));
+        faces_.draw(second_, GL_BACK);
         endPass();
     }
 
     void renderPieces() const {
         const gl::DebugGroup group("penumbra quads: pieces of the nearest back faces");
-        beginPass(&pieceMap_, 0, &pieceDepth_);
+        beginPass(&pieceMap_, 0, pieceDepth_);
         constexpr GLuint kNoPiece[4] = {0xffffffffu, 0, 0, 0};
         glClearNamedFramebufferuiv(framebuffer_.id(), GL_COLOR, 0, kNoPiece);
         piece_.use();
-        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, facePieces_.id());
-        drawFaces(piece_, GL_FRONT);
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, faces_.pieces().id());
+        piece_.set("clipFromWorld", depth_.view().clipFromWorld(0));
+        faces_.draw(piece_, GL_FRONT);
         endPass();
     }
+
+    /// Whether each quad is stretched as far as its own receivers only. Few have fewer fragments
+    /// than the pyramid over the maps has texels to read.
+    bool boundsQuads() const { return stretch_.is("texel") && outlineCount_ >= kBoundedEdges; }
+    double nearer() const { return 1.0 + kNearerTexels * texelTangent_; }
 
     /// Uniforms of what the edges and their quads are seen by.
     void setView(const gl::Program& program, const AreaLight& light) const {
@@ -331,18 +324,23 @@ class PenumbraQuads : public ShadowMethod {
                     glm::mat3(glm::transpose(glm::dmat3(tile.axisX, tile.axisY, tile.axisZ))));
         program.set("tangents", glm::vec4(tile.tangentLo, 1.0 / tile.tangentSize()));
         program.set("nearM", static_cast<float>(tile.nearM));
-        program.set("nearer", static_cast<float>(1.0 + kNearerTexels * texelTangent_));
+        program.set("nearer", static_cast<float>(nearer()));
         program.set("mapSize", static_cast<int>(mapSize_));
+        program.set("lightHalfM", glm::vec2(light.halfU, light.halfV));
+        program.set("farS", static_cast<float>(tile.nearM / farM_));
+        program.set("texelTangent", static_cast<float>(texelTangent_));
     }
 
     void listSilhouettes(const AreaLight& light) const {
         const gl::DebugGroup group("penumbra quads: silhouettes");
-        constexpr GLuint kEmpty[4] = {0, 1, 0, 0};
+        constexpr GLuint kEmpty[5] = {0, 1, 0, 0, 0};
         glNamedBufferSubData(draw_.id(), 0, sizeof(kEmpty), kEmpty);
         silhouette_.use();
         setView(silhouette_, light);
         silhouette_.set("edgeCount", outlineCount_);
         depth_.map().bind(0);
+        if (boundsQuads()) farthest_.texture().bind(1);
+        silhouette_.set("boundQuads", boundsQuads());
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, edges_.id());
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, silhouettes_.id());
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, draw_.id());
@@ -350,45 +348,52 @@ class PenumbraQuads : public ShadowMethod {
         glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
     }
 
+    /// Tested against the map that they fall upon as the paper does, which is fetched as well: it
+    /// is not written.
     void renderQuads(const AreaLight& light) const {
         const gl::DebugGroup group("penumbra quads: outer and inner");
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, edges_.id());
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, silhouettes_.id());
+        glBindBuffer(GL_DRAW_INDIRECT_BUFFER, draw_.id());
+        // Quads that lie on a surface fail against it.
+        glDepthRange(0.0, 1.0 / nearer());
         for (const bool outer : {true, false}) {
-            beginPass(&penumbraMap_, outer ? 0 : 1, nullptr);
+            const gl::Texture& receivers = outer ? depth_.map() : secondMap_;
+            beginPass(&penumbraMap_, outer ? 0 : 1, receivers, true);
             const float clear[4] = {outer ? 1.0f : 0.0f, 0.0f, 0.0f, 0.0f};
             glClearNamedFramebufferfv(framebuffer_.id(), GL_COLOR, 0, clear);
             if (overlap_.is("min_max")) {
                 glEnable(GL_BLEND);
                 glBlendEquation(outer ? GL_MIN : GL_MAX);
             }
-            quads_.use();
-            (outer ? depth_.map() : secondMap_).bind(0);
+            const gl::Program& quads = outer ? outerQuads_ : innerQuads_;
+            quads.use();
+            receivers.bind(0);
             if (inner_.is("pieces")) pieceMap_.bind(1);
             depth_.map().bind(2);
-            quads_.set("clipFromWorld", depth_.view().clipFromWorld(0));
-            setView(quads_, light);
-            quads_.set("lightHalfM", glm::vec2(light.halfU, light.halfV));
-            quads_.set("direction", outer ? 1.0f : -1.0f);
-            quads_.set("farM", static_cast<float>(farM_));
-            glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, edges_.id());
-            glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, silhouettes_.id());
-            glBindBuffer(GL_DRAW_INDIRECT_BUFFER, draw_.id());
+            quads.set("clipFromWorld", depth_.view().clipFromWorld(0));
+            setView(quads, light);
             glBindVertexArray(quadArray_.id());
-            glDrawArraysIndirect(GL_TRIANGLES, nullptr);
-            glBindBuffer(GL_DRAW_INDIRECT_BUFFER, 0);
+            glDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT, nullptr);
             glDisable(GL_BLEND);
             glBlendEquation(GL_FUNC_ADD);
             endPass();
         }
+        glDepthRange(0.0, 1.0);
+        glBindVertexArray(0);
+        glBindBuffer(GL_DRAW_INDIRECT_BUFFER, 0);
     }
 
     DepthPass depth_;
-    gl::Program hard_, second_, piece_, silhouette_, quads_, soft_;
+    gl::Program hard_, second_, piece_, silhouette_, outerQuads_, innerQuads_, soft_;
+    FarthestPyramid farthest_;
     gl::Framebuffer framebuffer_;
-    gl::VertexArray faceArray_, quadArray_;
+    gl::VertexArray quadArray_;
     std::shared_ptr<const Geometry> geometry_;
     EdgeAdjacency adjacency_;
-    gl::Buffer positions_, faceIndices_, facePieces_, edges_, silhouettes_, draw_;
-    int solidFaces_ = 0, faceCount_ = 0, outlineCount_ = 0;
+    GpuFaces faces_;
+    gl::Buffer edges_, silhouettes_, quadIndices_, draw_;
+    int outlineCount_ = 0;
     gl::Texture secondMap_, penumbraMap_, pieceMap_, pieceDepth_;
     bool soften_ = false;
     double texelTangent_ = 0.0;  ///< width of a texel over its depth

@@ -33,6 +33,10 @@ struct Edge {
     vec4 stretchA, stretchB;  // stretching normals
     vec4 planes[2];           // (n, n.p) of the faces
 };
+struct Silhouette {
+    uint entry;         // twice the edge's number, 1 more where its faces lie on the other side
+    float farS[2];      // RECEIVER_TEXEL: no receiver that its outer, its inner quad may reach is farther
+};
 layout(std430, binding = 0) readonly buffer Edges { Edge edges[]; };
 layout(binding = 0) uniform sampler2DArray shadowMap;  // PASS_QUADS: the map that quads fall upon
 uniform vec3 lightCentre;
@@ -41,6 +45,8 @@ uniform vec4 tangents;    // of the view: tangentLo, 1 / tangentSize
 uniform float nearM;
 uniform float nearer;     // a surface is nearer than another where its s exceeds it by this factor
 uniform int mapSize;
+uniform vec2 lightHalfM;
+uniform float farS;       // of the farthest receiver
 
 const uint kNone = 0xffffffffu;
 
@@ -49,14 +55,42 @@ vec2 placeInMap(vec3 p) { return (p.xy / p.z - tangents.xy) * tangents.zw * floa
 bool inMap(ivec2 texel) {
     return all(greaterThanEqual(texel, ivec2(0))) && all(lessThan(texel, ivec2(mapSize)));
 }
+
+// A stretching normal across the light: exactly the silhouette's normal where it is at right angles
+// to the ray, as on smooth casters, and on edges parallel to the light. 0 where it has no such part.
+vec2 acrossLight(vec3 stretch, vec2 normal) {
+    vec2 m = (lightAxes * stretch).xy;
+    float mLength = length(m);
+    m = mLength > 1e-6 ? m / mLength : vec2(0.0);
+    return dot(m, normal) < 0.0 ? -m : m;  // a sheet's normals may point either way
+}
+
+const float kStraight = 1e-4;
+
+// Point of the light farthest along n: a corner, the middle of a side, the centre.
+vec2 supportPoint(vec2 n) {
+    return lightHalfM * mix(vec2(0.0), sign(n), greaterThan(abs(n), vec2(kStraight)));
+}
+
+// Offset of the light point towards which a vertex moves: the edge's own one (part 1) or its
+// stretching normal's (2).
+vec2 lightOffset(int part, vec2 normal, vec2 m) {
+#ifdef STRETCH_AVERAGED
+    return dot(lightHalfM, abs(m)) * m;
+#else
+    // An edge along one of the light's sides has two farthest corners: the vertex's normal chooses.
+    vec2 own = mix(m, normal, greaterThan(abs(normal), vec2(kStraight)));
+    return supportPoint(part == 1 || m == vec2(0.0) ? own : m);
+#endif
+}
 #endif
 
 #ifdef PASS_EDGES
 // One edge each: its number and on which side its faces lie, if the light's centre sees it as a
 // silhouette. Listed in any order, or (ORDERED) in the edges' own with gaps.
 layout(local_size_x = 64) in;
-layout(std430, binding = 1) writeonly buffer Silhouettes { uint silhouettes[]; };
-layout(std430, binding = 2) buffer Draw { uint vertexCount, instanceCount, first, baseInstance; };
+layout(std430, binding = 1) writeonly buffer Silhouettes { Silhouette silhouettes[]; };
+layout(std430, binding = 2) buffer Draw { uint indexCount, instanceCount, firstIndex, baseVertex, baseInstance; };
 uniform int edgeCount;
 
 // Whether the face lies on the side that cross(a - C, b - C) points away from.
@@ -84,6 +118,50 @@ bool hidden(vec3 a, vec3 b, vec2 outward) {
     return true;
 }
 
+#ifdef RECEIVER_TEXEL
+layout(binding = 1) uniform sampler2DArray farthestPyramid;  // core/passes/farthest_pyramid.hpp
+uniform bool boundQuads;
+
+// Least s of receivers in a box of the map, from four texels or fewer of the pyramid a side.
+float farthestIn(vec2 lo, vec2 hi, int layer) {
+    const float kBlockTexels = 8.0;
+    ivec2 first = ivec2(max(lo, 0.0) / kBlockTexels);
+    ivec2 last = ivec2(clamp(hi, vec2(-1.0), vec2(float(mapSize - 1))) / kBlockTexels);
+    float least = 2.0;
+    if (any(lessThan(hi, vec2(0.0)))) return least;
+    int level = max(findMSB(max(last.x - first.x, last.y - first.y)) - 1, 0);
+    first >>= level;
+    last >>= level;
+    for (int y = first.y; y <= last.y; ++y)
+        for (int x = first.x; x <= last.x; ++x)
+            least = min(least, texelFetch(farthestPyramid, ivec3(x, y, layer), level).r);
+    return least;
+}
+
+// Least s of receivers that a quad may fall upon, `direction` 1 for outer, -1 for inner ones: of
+// boxes along the edge, each as wide as the quad stretched to the farthest receiver of all.
+float farthestReceiver(vec3 a, vec3 b, vec2 offsets[4], float direction) {
+    vec2 widest[2] = vec2[](vec2(0.0), vec2(0.0));  // in texels
+    for (int i = 0; i < 4; ++i) {
+        float inverseZ = 1.0 / (i < 2 ? a.z : b.z);
+        vec2 moved = direction * offsets[i] * max(inverseZ - farS / nearM, 0.0) * tangents.zw * float(mapSize);
+        widest[0] = min(widest[0], moved);
+        widest[1] = max(widest[1], moved);
+    }
+    vec2 from = placeInMap(a), along = placeInMap(b) - from;
+    vec2 size = widest[1] - widest[0];
+    const float kLeastTexels = 16.0;
+    int boxes = clamp(int(length(along) / max(max(size.x, size.y), kLeastTexels)) + 1, 1, 16);
+    float least = 2.0;
+    for (int i = 0; i < boxes; ++i) {
+        vec2 p = from + along * (float(i) / float(boxes)), q = from + along * (float(i + 1) / float(boxes));
+        least = min(least, farthestIn(min(p, q) + widest[0] - 1.0, max(p, q) + widest[1] + 1.0,
+                                      direction > 0.0 ? 0 : 1));
+    }
+    return least;
+}
+#endif
+
 void main() {
     uint index = gl_GlobalInvocationID.x;
     if (index >= uint(edgeCount)) return;
@@ -92,20 +170,39 @@ void main() {
     bool first = onNegativeSide(edge.planes[0], (bits & 1) != 0);
     bool second = onNegativeSide(edge.planes[1], (bits & 2) != 0);
     bool listed = first == second;
+    Silhouette silhouette;
+    silhouette.entry = 2u * index + (first ? 1u : 0u);
+    silhouette.farS[0] = silhouette.farS[1] = farS;
     if (listed) {
         vec3 a = lightAxes * (edge.a.xyz - lightCentre), b = lightAxes * (edge.b.xyz - lightCentre);
         vec2 normal = cross(a, b).xy;
+        normal = first ? normal : -normal;
         listed = normal != vec2(0.0) && max(a.z, b.z) > 0.0;
 #ifdef INNER_SEEN
-        listed = listed && !hidden(a, b, first ? normal : -normal);
+        listed = listed && !hidden(a, b, normal);
+#endif
+#ifdef RECEIVER_TEXEL
+        if (boundQuads && listed && min(a.z, b.z) > nearM) {
+            normal = normalize(normal);
+            vec2 ma = acrossLight(edge.stretchA.xyz, normal), mb = acrossLight(edge.stretchB.xyz, normal);
+            vec2 offsets[4] = vec2[](lightOffset(1, normal, ma), lightOffset(2, normal, ma),
+                                     lightOffset(1, normal, mb), lightOffset(2, normal, mb));
+            float nearestS = nearM / min(a.z, b.z);
+            listed = false;
+            for (int i = 0; i < 2; ++i) {
+                float receiverS = farthestReceiver(a, b, offsets, i == 0 ? 1.0 : -1.0);
+                listed = listed || receiverS * nearer < nearestS;
+                silhouette.farS[i] = max(receiverS, farS);
+            }
+        }
 #endif
     }
-    uint entry = 2u * index + (first ? 1u : 0u);
 #ifdef ORDERED
-    silhouettes[index] = listed ? entry : kNone;
-    if (index == 0u) vertexCount = 12u * uint(edgeCount);
+    if (!listed) silhouette.entry = kNone;
+    silhouettes[index] = silhouette;
+    if (index == 0u) indexCount = 12u * uint(edgeCount);
 #else
-    if (listed) silhouettes[atomicAdd(vertexCount, 12u) / 12u] = entry;
+    if (listed) silhouettes[atomicAdd(indexCount, 12u) / 12u] = silhouette;
 #endif
 }
 #endif
@@ -114,85 +211,79 @@ void main() {
 // Six points an edge: its ends a and b, which stay; where the edge's own support point of the light
 // takes them; and where their stretching normals' support points do, so that the quads of two edges
 // meet at the vertex they share (STRETCH_AVERAGED: those alone, as in the paper).
-#ifdef STAGE_VERTEX
-layout(std430, binding = 1) readonly buffer Silhouettes { uint silhouettes[]; };
-uniform mat4 clipFromWorld;
-uniform vec2 lightHalfM;
-uniform float direction;  // 1: outer quads, -1: inner ones
-uniform float farM;       // depth of the farthest receiver
+#ifdef OUTER
+const int kMap = 0;
+const float kDirection = 1.0;
+#else
+const int kMap = 1;
+const float kDirection = -1.0;
+#endif
 
-out float across;         // 0 at the silhouette, 1 at the moved edge
+#ifdef STAGE_VERTEX
+layout(std430, binding = 1) readonly buffer Silhouettes { Silhouette silhouettes[]; };
+uniform mat4 clipFromWorld;
+uniform float texelTangent;  // width of a texel over its depth
+
+out float across;         // 0 at the silhouette; at the moved edge 1, RECEIVER_TEXEL: stretchTo
 flat out float narrow;    // the lesser over both half widths of the light across the edge
+#ifdef INNER
 flat out uint piece;
 #ifdef INNER_SEEN
 out vec4 beside;          // a texel and a half beyond the edge in the map: clip coordinates
 #endif
+#endif
 
-const int kRoles[12] = int[](0, 2, 1, 0, 1, 4, 0, 4, 5, 5, 4, 3);  // a, b's the other way round
-
-// Point of the light farthest along n: a corner, the middle of a side, the centre.
-vec2 supportPoint(vec2 n) {
-    const float kStraight = 1e-4;
-    return lightHalfM * vec2(abs(n.x) > kStraight ? sign(n.x) : 0.0,
-                             abs(n.y) > kStraight ? sign(n.y) : 0.0);
-}
-
-// What of a light point's offset a vertex in depth zM moves by, its penumbra falling on what is
-// beside it: (1/zA - 1/zr) zA, METHODS.md 14.
-float stretchTo(vec3 p, vec2 offset) {
-    float s = 0.0;
+// What of a light point's offset a vertex moves by, its penumbra falling on what is in depth s:
+// (1/zA - 1/zr) zA, METHODS.md 14.
+float stretchTo(vec3 p, vec2 offset, float s) {
 #ifdef RECEIVER_VERTEX
     // One texel and a half beside the vertex, to be off the caster's own rim.
     vec2 uvOffset = offset * tangents.zw;
     ivec2 texel = ivec2(floor(placeInMap(p) + 1.5 * uvOffset / max(length(uvOffset), 1e-30)));
-    if (p.z > 0.0 && inMap(texel)) s = texelFetch(shadowMap, ivec3(texel, 0), 0).r;
-    // The caster itself, or what hides it: no receiver of this edge's penumbra.
-    if (s * nearer > nearM / p.z) s = 0.0;
+    float beside = p.z > 0.0 && inMap(texel) ? texelFetch(shadowMap, ivec3(texel, 0), 0).r : 0.0;
+    // Not the caster itself, or what hides it: no receiver of this edge's penumbra.
+    if (beside * nearer <= nearM / p.z) s = max(s, beside);
 #endif
-    return clamp(1.0 - p.z * max(s / nearM, 1.0 / farM), 0.0, 1.0);
+    return clamp(1.0 - p.z * s / nearM, 0.0, 1.0);
 }
 
 void main() {
-    uint entry = silhouettes[gl_VertexID / 12];
+    Silhouette silhouette = silhouettes[gl_VertexID / 6];
+    uint entry = silhouette.entry;
     gl_Position = vec4(2.0, 0.0, 0.0, 1.0);  // outside: the whole quad goes
     if (entry == kNone) return;
     Edge edge = edges[entry / 2u];
-    int role = kRoles[gl_VertexID % 12];
-    piece = floatBitsToUint(edge.b.w);
+    int role = gl_VertexID % 6;
     vec3 a = lightAxes * (edge.a.xyz - lightCentre), b = lightAxes * (edge.b.xyz - lightCentre);
     // Of the edge as the light sees it, on any plane before it, away from the faces.
-    vec2 normal = normalize(cross(a, b).xy) * ((entry & 1u) != 0u ? 1.0 : -1.0);
+    vec2 fromAToB = normalize(cross(a, b).xy).yx * vec2(1.0, -1.0);
+    vec2 normal = vec2(-fromAToB.y, fromAToB.x) * ((entry & 1u) != 0u ? 1.0 : -1.0);
 
     vec3 from = role < 3 ? a : b;
-    vec3 stretch = lightAxes * (role < 3 ? edge.stretchA.xyz : edge.stretchB.xyz);
-    // What of it is across the light. Exactly the silhouette's normal where the stretching normal is
-    // at right angles to the ray, as on smooth casters, and on edges parallel to the light.
-    vec2 m = stretch.xy;
-    float mLength = length(m);
-    m = mLength > 1e-6 ? m / mLength : vec2(0.0);
-    if (dot(m, normal) < 0.0) m = -m;  // a sheet's normals may point either way
+    vec2 m = acrossLight(role < 3 ? edge.stretchA.xyz : edge.stretchB.xyz, normal);
 
+#ifdef INNER
+    piece = floatBitsToUint(edge.b.w);
 #ifdef INNER_SEEN
     beside = clipFromWorld * vec4(lightCentre + from * lightAxes, 1.0);
     // The edge's normal in texels, which the tile may stretch.
     beside.xy += 3.0 / float(mapSize) * normalize(normal / tangents.zw) * beside.w;
 #endif
-
-    vec2 offset = vec2(0.0);
-    int part = role < 3 ? role : 5 - role;  // 0 stays, 1 the edge's, 2 the vertex's
-#ifdef STRETCH_AVERAGED
-    if (part > 0) offset = dot(lightHalfM, abs(m)) * m;
-#else
-    // An edge along one of the light's sides has two farthest corners: the vertex's normal chooses.
-    const float kStraight = 1e-4;
-    vec2 own = vec2(abs(normal.x) > kStraight ? normal.x : m.x, abs(normal.y) > kStraight ? normal.y : m.y);
-    if (part == 1 || (part == 2 && m == vec2(0.0))) offset = supportPoint(own);
-    else if (part == 2) offset = supportPoint(m);
 #endif
+
+    int part = role < 3 ? role : 5 - role;  // 0 stays, 1 the edge's, 2 the vertex's
+    vec2 offset = part > 0 ? lightOffset(part, normal, m) : vec2(0.0);
+    float receiverS = silhouette.farS[kMap];
+    float stretch = stretchTo(from, kDirection * offset, receiverS);
     across = part > 0 ? 1.0 : 0.0;
-    if (part > 0) {
-        from.xy += direction * stretchTo(from, direction * offset) * offset;
-    }
+#ifdef RECEIVER_TEXEL
+    across *= stretch;
+    // Neighbours are stretched to other receivers: their sides lie on one line but end elsewhere,
+    // and would round apart in places. They overlap instead.
+    const float kOverlapTexels = 1.0 / 128.0;
+    from.xy += (role < 3 ? -1.0 : 1.0) * kOverlapTexels * texelTangent * max(from.z, 0.0) * fromAToB;
+#endif
+    from.xy += kDirection * stretch * offset;
     vec2 halves = lightHalfM * abs(normal);
     narrow = min(halves.x, halves.y) / max(halves.x + halves.y, 1e-30);
     gl_Position = clipFromWorld * vec4(lightCentre + from * lightAxes, 1.0);
@@ -202,26 +293,25 @@ void main() {
 #ifdef STAGE_FRAGMENT
 layout(binding = 0) uniform sampler2DArray shadowMap;
 layout(binding = 1) uniform usampler2D pieceMap;
-uniform float direction;
-uniform float farM;
-uniform float nearM;
 uniform float nearer;
 
 in float across;
 flat in float narrow;
+#ifdef INNER
 flat in uint piece;
-#ifdef INNER_SEEN
+#endif
+#if defined(INNER) && defined(INNER_SEEN)
 layout(binding = 2) uniform sampler2DArray firstMap;
 in vec4 beside;
 
 // Whether light that passes the edge beside this fragment may go as deep as `surface`: it may not
 // where something hides the edge, nor where the caster's own lower parts lie just past it. Slopes of
 // the receiver are let pass: a quarter of the way up from it to the edge.
-bool edgeOpensTo(float surface) {
+bool edgeOpensTo(float surface, float s) {
     ivec2 size = textureSize(firstMap, 0).xy;
     ivec2 texel = ivec2(floor((0.5 + 0.5 * beside.xy / beside.w) * vec2(size)));
     if (any(lessThan(texel, ivec2(0))) || any(greaterThanEqual(texel, size))) return true;
-    return texelFetch(firstMap, ivec3(texel, 0), 0).r <= mix(surface, gl_FragCoord.z, 0.25);
+    return texelFetch(firstMap, ivec3(texel, 0), 0).r <= mix(surface, s, 0.25);
 }
 #endif
 layout(location = 0) out float visibility;
@@ -241,22 +331,25 @@ float profile(float t) {
 }
 
 void main() {
-    float s = gl_FragCoord.z, surface = texelFetch(shadowMap, ivec3(gl_FragCoord.xy, 0), 0).r;
-    // Hidden from what the map shows; or nothing there to fall upon.
-    if (surface == 0.0 || s <= surface * nearer) discard;
-#ifdef INNER_PIECES
-    if (direction < 0.0 && texelFetch(pieceMap, ivec2(gl_FragCoord.xy), 0).r != piece) discard;
-#endif
-#ifdef INNER_SEEN
-    if (direction < 0.0 && !edgeOpensTo(surface)) discard;
-#endif
+    float s = gl_FragCoord.z * nearer, surface = texelFetch(shadowMap, ivec3(gl_FragCoord.xy, 0), 0).r;
     float t = across;
 #ifdef RECEIVER_TEXEL
-    // Stretched to the farthest receiver, the quad holds the penumbra on every nearer one.
-    t *= (s - nearM / farM) / (s - surface);
+    // Stretched to the farthest receiver, the quad holds the penumbra on every nearer one. What it
+    // moved by is affine over it, what this receiver's penumbra would have is stretchTo.
+    t *= s / (s - surface);
 #endif
-    visibility = profile(min(t, 1.0));
-    if (direction < 0.0) visibility = 1.0 - visibility;
+    if (surface == 0.0 || t >= 1.0) discard;  // nothing to fall upon; the maps are cleared to this
+#ifdef INNER
+#ifdef INNER_PIECES
+    if (texelFetch(pieceMap, ivec2(gl_FragCoord.xy), 0).r != piece) discard;
+#endif
+#ifdef INNER_SEEN
+    if (!edgeOpensTo(surface, s)) discard;
+#endif
+    visibility = 1.0 - profile(t);
+#else
+    visibility = profile(t);
+#endif
 }
 #endif
 #endif
@@ -269,36 +362,35 @@ layout(binding = 1) uniform sampler2DArray secondMap;
 layout(binding = 2) uniform sampler2DArray penumbraMap;  // outer, inner
 uniform float filterTexels;                              // width of the box filter, at most 1
 
-// Section 4.4 at one texel: (weighted visibility, weight). Nothing where the texel shows a surface
-// farther from the light than the receiver's plane: its penumbra is not the receiver's.
-vec2 combined(LightPoint point, ivec2 texel, float weight) {
-    if (weight <= 0.0) return vec2(0.0);
-    texel = clamp(texel, ivec2(0), ivec2(mapSize - 1));
-    float rise = dot(point.gradient, (vec2(texel) + 0.5) / float(mapSize) - point.uv);
-    float bound = (point.s + max(rise, 0.0)) * point.biasScale;
-    float first = texelFetch(shadowMap, ivec3(texel, 0), 0).r;
-    if (first <= bound) {
-        const float kRimTexels = 4.0;
-        float rim = 1.0 - kRimTexels / (float(mapSize) * min(tileTangents[0].z, tileTangents[0].w));
-        if (first < (point.s + rise) * rim) return vec2(0.0);
-        return vec2(texelFetch(penumbraMap, ivec3(texel, 0), 0).r, 1.0) * weight;
-    }
-    float second = texelFetch(secondMap, ivec3(texel, 0), 0).r;
-    return vec2(second <= bound ? texelFetch(penumbraMap, ivec3(texel, 1), 0).r : 0.0, 1.0) * weight;
-}
-
+// Section 4.4 at the four texels around the receiver. Texels that show a surface farther from the
+// light than the receiver's plane have no weight: their penumbra is not the receiver's.
 void main() {
     vec3 position, normal;
     if (!receives(position, normal)) return;
     LightPoint point = lightPoint(position, normal);
     visibility = 1.0;
     if (!point.inFront) return;
-    vec2 place = point.uv * float(mapSize) - 0.5;
-    ivec2 corner = ivec2(floor(place));
-    vec2 hi = clamp((place - vec2(corner) - 0.5) / filterTexels + 0.5, 0.0, 1.0), lo = 1.0 - hi;
-    vec2 sum = combined(point, corner, lo.x * lo.y) + combined(point, corner + ivec2(1, 0), hi.x * lo.y) +
-               combined(point, corner + ivec2(0, 1), lo.x * hi.y) + combined(point, corner + 1, hi.x * hi.y);
-    if (sum.y > 0.0) visibility = clamp(sum.x / sum.y, 0.0, 1.0);
+    float size = float(mapSize);
+    vec2 place = point.uv * size - 0.5;
+    vec2 corner = clamp(floor(place), vec2(-1.0), vec2(size - 1.0));
+    vec2 hi = clamp((place - corner - 0.5) / filterTexels + 0.5, 0.0, 1.0), lo = 1.0 - hi;
+    // As textureGather orders them. Past the map's border its outermost texels stand for others.
+    vec4 weight = vec4(lo.x * hi.y, hi.x * hi.y, hi.x * lo.y, lo.x * lo.y);
+    vec3 between = vec3((corner + 1.0) / size, 0.0);
+    vec4 first = textureGather(shadowMap, between);
+    vec4 second = textureGather(secondMap, between);
+    vec4 outer = textureGather(penumbraMap, between);
+    vec4 inner = textureGather(penumbraMap, between + vec3(0.0, 0.0, 1.0));
+
+    vec2 from = corner + 0.5 - point.uv * size, slope = point.gradient / size;
+    vec4 rise = slope.x * (from.x + vec4(0.0, 1.0, 1.0, 0.0)) + slope.y * (from.y + vec4(1.0, 1.0, 0.0, 0.0));
+    vec4 bound = (point.s + max(rise, 0.0)) * point.biasScale;
+    const float kRimTexels = 4.0;
+    float rim = 1.0 - kRimTexels / (size * min(tileTangents[0].z, tileTangents[0].w));
+    weight *= vec4(greaterThanEqual(first, (point.s + rise) * rim));
+    vec4 v = mix(mix(vec4(0.0), inner, lessThanEqual(second, bound)), outer, lessThanEqual(first, bound));
+    float sum = dot(weight, vec4(1.0));
+    if (sum > 0.0) visibility = clamp(dot(weight, v) / sum, 0.0, 1.0);
 }
 #endif
 #endif

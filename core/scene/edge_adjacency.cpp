@@ -166,8 +166,9 @@ class EdgeAdjacency::Builder {
         return {out_.uses_.data() + edge.firstUse, edge.useCount};
     }
 
-    /// Takes away the walls whose whole rim has other faces. A wall with an open rim is a sheet
-    /// that was drawn from both sides; one copy of it stays.
+    /// Takes away the walls that the surface closes without: all edges of their rim have two other
+    /// faces or more. Of the others, sheets drawn from both sides or faces that are there twice,
+    /// one copy stays.
     bool dropWalls() {
         if (std::ranges::find(walls_, true) == walls_.end()) return false;
         UnionFind connected(walls_.size());
@@ -179,13 +180,23 @@ class EdgeAdjacency::Builder {
                     last = use.face;
                 }
         }
-        std::vector<bool> openRim(walls_.size(), false);
-        for (const Edge& edge : out_.edges_)
-            if (edge.useCount == 1 && walls_[usesOf(edge)[0].face])
-                openRim[connected.root(usesOf(edge)[0].face)] = true;
+        std::vector<bool> partition(walls_.size(), false), needed(walls_.size(), false);
+        for (const Edge& edge : out_.edges_) {
+            std::size_t others = 0;
+            std::uint32_t wall = kNone;
+            for (const EdgeUse& use : usesOf(edge)) {
+                others += !walls_[use.face];
+                if (walls_[use.face]) wall = connected.root(use.face);
+            }
+            if (wall == kNone) continue;
+            if (others >= 2)
+                partition[wall] = true;
+            else if (others == 1 || edge.useCount == 1)
+                needed[wall] = true;
+        }
         std::vector<Face> kept;
         for (std::uint32_t f = 0; f < out_.faces_.size(); ++f)
-            if (!walls_[f] || openRim[connected.root(f)])
+            if (!walls_[f] || needed[connected.root(f)] || !partition[connected.root(f)])
                 kept.push_back(out_.faces_[f]);
             else
                 ++out_.defects_.backToBack;

@@ -10,6 +10,7 @@
 #include <tuple>
 
 #include "core/error.hpp"
+#include "harness/run/csv.hpp"
 #include "harness/run/provenance.hpp"
 #include "harness/run/separation.hpp"
 

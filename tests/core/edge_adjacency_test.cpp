@@ -115,6 +115,22 @@ TEST(EdgeAdjacency, WallBetweenTwoBoxesIsDropped) {
     EXPECT_EQ(silhouettes(*geometry, {1.0, 0.5, 3.0}), 6u) << "both boxes' long sides in two";
 }
 
+TEST(EdgeAdjacency, FacesThatAreThereTwiceStayOnce) {
+    Shape whole = cube();
+    whole.box({0, 0, 0}, {1, 1, 1});
+    Shape side = cube();  // the roof alone, as Shape::box cuts it
+    side.quad({0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1});
+    for (const auto& [shape, dropped] : {std::pair(whole, 12u), std::pair(side, 2u)}) {
+        const auto geometry = shape.geometry();
+        const EdgeAdjacency adjacency(*geometry);
+        MeshDefects expected;
+        expected.backToBack = dropped;
+        EXPECT_EQ(adjacency.defects(), expected);
+        EXPECT_EQ(adjacency.faces().size(), 12u);
+        EXPECT_TRUE(adjacency.faces()[0].closed);
+    }
+}
+
 TEST(EdgeAdjacency, TwoSidedSheetKeepsOneSide) {
     Shape shape;
     shape.quad({0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0});

@@ -158,6 +158,24 @@ TEST_F(PenumbraQuads, ProfileIsThatOfATurnedRectangle) {
     }
 }
 
+TEST_F(PenumbraQuads, EdgesTiltedInDepthAreExactToo) {
+    // One edge without vertices between, from 0.2 to 0.8 metres over the floor: its penumbra is
+    // five times as wide at one end as at the other.
+    const glm::dvec3 a(0.1, -2.0, 0.2), b(0.1, 2.0, 0.8), across(3.0, 0.0, 0.0);
+    Shape shape;
+    shape.quad(a, a + across, b + across, b);
+    shape.box({-2.0, -2.0, -0.1}, {2.0, 2.0, 0.0});
+    const AreaLight light = lightAbove(kLightM, 0.4, 0.4);
+    const TestFrame frame({shape.geometry(), light},
+                          planeGBuffer(192, 192, {-0.6, -0.8, 0}, {1.4, 0, 0}, {0, 1.6, 0}, light));
+    const auto truth = [&](std::size_t i) {
+        return closed_form::straightEdge(glm::dvec3(frame->gbuffer.position[i]), a, b, a - across,
+                                         light);
+    };
+    // Texels, as above; with the share of the quad interpolated, not what it moved by, it is 0.027.
+    EXPECT_LT(rmse(frame, render(frame, "penumbra_quads"), truth), 0.003);
+}
+
 TEST_F(PenumbraQuads, ThirdSurfaceStaysDark) {
     // Two plates over the floor; the upper one's edge runs above the lower one's middle.
     const AreaLight light = lightAbove(2.0, 0.4, 0.4);
@@ -356,6 +374,134 @@ TEST_F(PenumbraQuads, MessageCountsBadEdges) {
     Shape open = overlappingPlates();
     open.rectangle({-0.2, -0.2}, {0.2, 0.2}, 0.3);
     EXPECT_EQ(messageFor(seenOnFloor(overFloor(open.geometry()))), "59 edges: 4 open edges");
+}
+
+TEST_F(PenumbraQuads, BadMeshesAreCountedAndDrawnLikeTheirCleanSelves) {
+    const Shape floor = [] {
+        Shape shape;
+        shape.box({-2.0, -2.0, -0.1}, {2.0, 2.0, 0.0});
+        return shape;
+    }();
+    Shape clean = floor;
+    clean.box({-0.4, -0.3, 0.5}, {0.3, 0.4, 0.6});
+    const TestFrame frame = seenOnFloor(overFloor(clean.geometry()));
+    const Image truth = render(frame, "penumbra_quads");
+    const auto differs = [&](const Shape& shape, const char* message) {
+        const TestFrame other = seenOnFloor(overFloor(shape.geometry()));
+        EXPECT_EQ(messageFor(other), message);
+        return greatestDifference(frame, render(other, "penumbra_quads"), truth);
+    };
+    // The same silhouettes, cut elsewhere: rounding, and quads' overlap of 1/128 of a texel.
+    const double same = 1e-3;
+
+    Shape twice = clean;  // every face again
+    twice.box({-0.4, -0.3, 0.5}, {0.3, 0.4, 0.6});
+    EXPECT_LT(differs(twice, "36 edges: 12 back-to-back triangles dropped"), same);
+
+    Shape slivers = clean;
+    slivers.quad({-0.4, -0.3, 0.6}, {-0.4, -0.3, 0.6}, {0.3, 0.4, 0.6}, {0.3, 0.4, 0.6});
+    EXPECT_LT(differs(slivers, "36 edges: 2 degenerate triangles dropped"), same);
+
+    Shape walled = floor;  // two boxes that share a wall
+    walled.box({-0.4, -0.3, 0.5}, {0.0, 0.4, 0.6});
+    walled.box({0.0, -0.3, 0.5}, {0.3, 0.4, 0.6});
+    EXPECT_LT(differs(walled, "48 edges: 4 back-to-back triangles dropped"), same);
+
+    Shape junctions = floor;  // the roof's front half is cut in two, the walls are not
+    const glm::dvec3 lo(-0.4, -0.3, 0.5), hi(0.3, 0.4, 0.6);
+    const auto at = [&](double x, double y, double z) {
+        return glm::mix(lo, hi, glm::dvec3(x, y, z));
+    };
+    junctions.quad(at(0, 0, 1), at(0.5, 0, 1), at(0.5, 1, 1), at(0, 1, 1));
+    junctions.quad(at(0.5, 0, 1), at(1, 0, 1), at(1, 1, 1), at(0.5, 1, 1));
+    junctions.quad(at(0, 0, 0), at(0, 1, 0), at(1, 1, 0), at(1, 0, 0));
+    junctions.quad(at(0, 0, 0), at(1, 0, 0), at(1, 0, 1), at(0, 0, 1));
+    junctions.quad(at(1, 1, 0), at(0, 1, 0), at(0, 1, 1), at(1, 1, 1));
+    junctions.quad(at(1, 0, 0), at(1, 1, 0), at(1, 1, 1), at(1, 0, 1));
+    junctions.quad(at(0, 1, 0), at(0, 0, 0), at(0, 0, 1), at(0, 1, 1));
+    EXPECT_LT(differs(junctions, "40 edges: 2 T-junctions split"), same);
+
+    Shape finned = clean;  // a fin on the roof, inside its outline: a fan of three faces
+    finned.quad({-0.4, -0.3, 0.6}, {0.3, -0.3, 0.6}, {0.3, -0.3, 0.7}, {-0.4, -0.3, 0.7});
+    const Image fin = render(seenOnFloor(overFloor(finned.geometry())), "penumbra_quads");
+    EXPECT_EQ(messageFor(seenOnFloor(overFloor(finned.geometry()))),
+              "40 edges: 3 open edges, 1 non-manifold edges");
+    EXPECT_EQ(violations(frame, fin, [](float v, std::size_t) { return v >= 0.0f && v <= 1.0f; }),
+              0);
+
+    auto nowhere = std::make_shared<Geometry>(*clean.geometry());
+    nowhere->positions[3].x = std::numeric_limits<float>::infinity();
+    EXPECT_THROW(render(seenOnFloor(overFloor(nowhere)), "penumbra_quads"), Unsupported);
+}
+
+/// A strip from x = 0 to `widthM` over the floor, kHeightM high, under a light `lightM` wide.
+World strip(double widthM, double lightM, const Shape& more = {}) {
+    Shape shape = more;
+    shape.box({0.0, -1.5, kHeightM}, {widthM, 1.5, kHeightM + 0.001});
+    shape.box({-2.0, -2.0, -0.1}, {2.0, 2.0, 0.0});
+    return {shape.geometry(), lightAbove(kLightM, lightM, lightM)};
+}
+
+TEST_F(PenumbraQuads, WiresKeepADarkCoreOfAHalf) {
+    // Each side of a wire is drawn as if the wire had no other: from 1/2 at its edges' shadows
+    // outward, where in truth the light sees around it on both sides.
+    const double wire = 0.01, width = 0.4;
+    const World world = strip(wire, width);
+    const TestFrame frame(
+        world, planeGBuffer(256, 8, {-0.1, -0.05, 0}, {0.22, 0, 0}, {0, 0.1, 0}, world.light));
+    const double penumbraM = width * kHeightM / (kLightM - kHeightM);
+    const double shadowM = wire * kLightM / (kLightM - kHeightM);
+    const double texel = texelM(frame, 0.0, 1024, kLightM);
+    const Image image = render(frame, "penumbra_quads");
+    double darkest = 1.0;
+    for (const std::size_t i : frame.asked()) {
+        const double x = static_cast<double>(frame->gbuffer.position[i].x);
+        const double outside = std::max(-x, x - shadowM);  // negative: within the hard shadow
+        const double predicted = std::clamp(0.5 + outside / penumbraM, 0.0, 1.0);
+        EXPECT_NEAR(image[i], predicted, 1.5 * texel / penumbraM) << x;
+        darkest = std::min(darkest, static_cast<double>(image[i]));
+    }
+    EXPECT_LT(darkest, 0.5);
+    // The strip as the floor sees it on the light.
+    EXPECT_GT(1.0 - wire * kLightM / kHeightM / width, 0.89) << "and the truth";
+}
+
+TEST_F(PenumbraQuads, InnerQuadsReachPastNarrowParts) {
+    // Below the strip a wide plate goes on where, for the light's centre, the strip ends: the
+    // strip's other edge lights what the plate shadows. The paper's identities see that.
+    const double width = 0.8, strips = 0.02, plate = 0.25;
+    Shape lower;
+    lower.box({0.012, -1.5, plate}, {1.0, 1.5, plate + 0.001});
+    const World world = strip(strips, width, lower);
+    const double umbraM = 0.08, toM = 0.12;
+    const TestFrame frame(world, planeGBuffer(64, 8, {umbraM, -0.05, 0}, {toM - umbraM, 0, 0},
+                                              {0, 0.1, 0}, world.light));
+    const double penumbraM = width * kHeightM / (kLightM - kHeightM);
+    const Image image = render(frame, "penumbra_quads");
+    const double texel = texelM(frame, 0.0, 1024, kLightM);
+    for (const std::size_t i : frame.asked()) {
+        const double x = static_cast<double>(frame->gbuffer.position[i].x);
+        // The strip's side is edge-on: of its edges, a millimetre apart, either may count.
+        EXPECT_NEAR(image[i], 0.5 - x / penumbraM, 1.5 * texel / penumbraM + 0.001) << x;
+    }
+    EXPECT_EQ(unequal(frame, render(frame, "penumbra_quads", {{"inner", "pieces"}}), 0.0f), 0);
+    EXPECT_EQ(unequal(frame, render(frame, "ray_traced"), 0.0f), 0) << "it is umbra";
+}
+
+TEST_F(PenumbraQuads, QuadsBoundedByTheirReceiversAreTheSame) {
+    // Many boxes below the floor make the mesh one whose quads are bounded; none is seen.
+    Shape shape = overlappingPlates();
+    const TestFrame frame = seenOnFloor(overFloor(shape.geometry()));
+    for (int y = 0; y < 54; ++y)
+        for (int x = 0; x < 54; ++x) {
+            const glm::dvec3 at(-1.5 + 0.05 * x, -1.5 + 0.05 * y, -0.08);
+            shape.box(at, at + 0.02);
+        }
+    const TestFrame many = seenOnFloor(overFloor(shape.geometry()));
+    // Overlaps of 1/128 of a texel move samples by no more, in penumbrae of fifteen texels or so.
+    EXPECT_LT(
+        greatestDifference(frame, render(frame, "penumbra_quads"), render(many, "penumbra_quads")),
+        1e-3);
 }
 
 TEST_F(PenumbraQuads, PreparingAgainChangesNothing) {
