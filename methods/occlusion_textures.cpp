@@ -14,19 +14,20 @@
 // Casters lie on their slice's plane instead of where they are: light leaks between the pieces of a
 // surface that crosses a boundary (thin_casters closes it), penumbrae are a little too narrow, and
 // what is in the receiver's own slice does not shadow it, so that contact shadows fade out within
-// one slice's thickness; contact=hard_map puts those of a plain shadow map there, whose edges are
-// hard. Wires thinner than a texel come and go. All receivers must fit one frustum
-// from behind the light; where they do not the method is unsupported.
+// one slice's thickness; contact=hard_map compares with a shadow map there, and counts the slice
+// that fades in in full where that map sees another surface in it than the receiver's own. Wires
+// thinner than a texel come and go. Slices are parallel to the light however it is tilted; all
+// receivers must fit one frustum from behind it, and where they do not the method is unsupported.
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "core/frame/casters.hpp"
+#include "core/passes/count_table.hpp"
 #include "core/passes/depth_pass.hpp"
 #include "core/passes/n_buffers.hpp"
 #include "core/passes/slice_pass.hpp"
-#include "core/passes/summed_area_table.hpp"
 #include "methods/shadow_method.hpp"
 
 namespace penumbra {
@@ -36,13 +37,12 @@ constexpr GLuint kOcclusionUnit = 1;  // shaders/occlusion_textures.glsl
 
 class OcclusionTextures : public ShadowMethod {
     IntParameter mapSize_{this, "map_size", 512, 16, 2048, "texels", "side of the textures"};
-    IntParameter slices_{this,
-                         "slices",
-                         16,
-                         1,
-                         SlicePass::kMostSlices,
-                         "",
-                         "occlusion textures; more than 16 are drawn as bits and unpacked"};
+    IntParameter slices_{this, "slices", 16, 1, SlicePass::kMostSlices, "", "occlusion textures"};
+    ChoiceParameter targets_{this,
+                             "targets",
+                             {"bits", "channels"},
+                             "slices are bits of one render target, or, as in the paper, channels "
+                             "of up to four, which hold 16; more are bits"};
     ChoiceParameter projection_{this,
                                 "projection",
                                 {"perspective", "orthographic"},
@@ -89,12 +89,16 @@ class OcclusionTextures : public ShadowMethod {
         {"crossing", "thin", "all", "none"},
         "casters that are drawn into the next slice, too: bodies that go on in it, those of them "
         "that are thinner than a slice, all"};
-    ChoiceParameter contact_{
-        this,
-        "contact",
-        {"hard_map", "none"},
-        "casters within the slices that do not count yet: as a shadow map from the light's centre "
-        "tells them, or, as in the paper, not at all"};
+    ChoiceParameter contact_{this,
+                             "contact",
+                             {"hard_map", "none"},
+                             "casters within the slices that do not count yet: by comparisons with "
+                             "a shadow map from the "
+                             "light's centre, or, as in the paper, not at all"};
+    BoolParameter earlyOuts_{
+        this, "early_outs", true,
+        "slices of which a kernel sees nothing or nothing else are looked up "
+        "no further; without them a pixel's cost does not depend on the light"};
     FloatParameter bias_{this,
                          "bias",
                          1.5,
@@ -124,8 +128,9 @@ class OcclusionTextures : public ShadowMethod {
         depth_ = DepthPass(alphaMask);
         hard_ = gl::Program::graphics("occlusion_textures.glsl", {"PASS_HARD"});
         if (!plan.has(Effect::penumbra)) return;
-        slicePass_ = SlicePass(slices_, alphaMask);
-        table_ = SummedAreaTable::create(SummedAreaTable::Kind::counts);
+        slicePass_ = SlicePass(
+            slices_, targets_.is("bits") ? SliceTargets::bits : SliceTargets::channels, alphaMask);
+        table_ = CountTable::create();
         buffers_ = NBuffers::create();
         for (const Prefilter filter : {Prefilter::sat, Prefilter::nBuffers, Prefilter::mipmap})
             if (mayUse(filter)) program(filter) = shadeProgram(filter);
@@ -148,8 +153,7 @@ class OcclusionTextures : public ShadowMethod {
             depth_.render(frame, LightView::fit(frame, glm::dvec2(0.0), mapSize_), mapSize_);
         if (!soften_) return;
         used_ = choosePrefilter(frame);
-        const int levels = used_ == Prefilter::mipmap ? levelsOf(mapSize_) : 1;
-        slicePass_.render(frame, view_, fill(frame), mapSize_, levels);
+        slicePass_.render(frame, view_, fill(frame), mapSize_);
         prefilter(frame);
     }
 
@@ -198,6 +202,7 @@ class OcclusionTextures : public ShadowMethod {
         defines.push_back("COMBINE_" + rule);
         if (!thinCasters_.is("none")) defines.emplace_back("FILLED");
         if (hasContact()) defines.emplace_back("CONTACT");
+        if (earlyOuts_) defines.emplace_back("EARLY_OUTS");
         if (filter == Prefilter::sat) defines.emplace_back("PREFILTER_SAT");
         if (filter == Prefilter::nBuffers) defines.emplace_back("PREFILTER_N_BUFFERS");
         return gl::Program::graphics("occlusion_textures.glsl", defines);
@@ -207,13 +212,17 @@ class OcclusionTextures : public ShadowMethod {
         return 1 + static_cast<int>(std::floor(std::log2(std::max(texels, 1.0))));
     }
 
-    double widestKernelTexels(const Frame& frame) const {
-        double widest = 0.0;
-        for (const double planeM : view_.planesM) {
-            const glm::dvec2 uv = view_.kernelUv(frame.light, view_.farM, planeM);
-            widest = std::max({widest, uv.x * mapSize_, uv.y * mapSize_});
-        }
+    /// Of the light as receivers see it on any slice, each way.
+    glm::dvec2 widestKernel(const Frame& frame) const {
+        glm::dvec2 widest(0.0);
+        for (const double planeM : view_.planesM)
+            widest = glm::max(widest, view_.kernelUv(frame.light, view_.farM, planeM) *
+                                          static_cast<double>(mapSize_));
         return widest;
+    }
+    double widestKernelTexels(const Frame& frame) const {
+        const glm::dvec2 widest = widestKernel(frame);
+        return std::max(widest.x, widest.y);
     }
 
     /// The table costs the same for any kernel, N-buffers as much as their levels: two of them are
@@ -228,22 +237,24 @@ class OcclusionTextures : public ShadowMethod {
     }
 
     void prefilter(const Frame& frame) {
-        switch (used_) {
-            case Prefilter::sat:
-                table_.build(slicePass_.texture(), static_cast<double>(mapSize_) * mapSize_);
-                break;
-            case Prefilter::nBuffers:
-                buffers_.build(
-                    slicePass_.texture(),
-                    std::min(levelsOf(widestKernelTexels(frame)) + 1, levelsOf(mapSize_)));
-                break;
-            case Prefilter::mipmap:
-                glGenerateTextureMipmap(slicePass_.texture().id());
-                glTextureParameteri(slicePass_.texture().id(), GL_TEXTURE_MIN_FILTER,
-                                    GL_LINEAR_MIPMAP_LINEAR);
-                glTextureParameteri(slicePass_.texture().id(), GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-                break;
+        if (used_ == Prefilter::sat) {
+            // Any place of a kernel touches up to two more texels each way, and all of them at
+            // most.
+            const glm::dvec2 box = glm::min(glm::ceil(widestKernel(frame)) + 2.0,
+                                            glm::dvec2(static_cast<double>(mapSize_)));
+            table_.build(slicePass_, box.x * box.y);
+            return;
         }
+        slicePass_.unpack();
+        const gl::Texture& channels = slicePass_.channels();
+        if (used_ == Prefilter::nBuffers) {
+            buffers_.build(channels,
+                           std::min(levelsOf(widestKernelTexels(frame)) + 1, levelsOf(mapSize_)));
+            return;
+        }
+        glGenerateTextureMipmap(channels.id());
+        glTextureParameteri(channels.id(), GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+        glTextureParameteri(channels.id(), GL_TEXTURE_MAG_FILTER, GL_LINEAR);
     }
 
     bool hasContact() const { return contact_.is("hard_map"); }
@@ -278,12 +289,13 @@ class OcclusionTextures : public ShadowMethod {
 
     void setView(const gl::Program& shader, const AreaLight& light) const {
         if (used_ == Prefilter::sat)
-            table_.table().bind(kOcclusionUnit);
+            table_.planes().bind(kOcclusionUnit);
         else if (used_ == Prefilter::nBuffers)
             buffers_.texture().bind(kOcclusionUnit);
         else
-            slicePass_.texture().bind(kOcclusionUnit);
+            slicePass_.channels().bind(kOcclusionUnit);
         shader.set("levels", buffers_.levels());
+        shader.set("lanes", table_.lanes());
         shader.set("lightAxes",
                    glm::mat3(glm::transpose(glm::dmat3(view_.axisX, view_.axisY, view_.axisZ))));
         shader.set("lightCentre", glm::vec3(view_.centre));
@@ -304,7 +316,7 @@ class OcclusionTextures : public ShadowMethod {
 
     DepthPass depth_;
     SlicePass slicePass_;
-    SummedAreaTable table_;
+    CountTable table_;
     NBuffers buffers_;
     Casters casters_;
     gl::Texture fillDepths_;

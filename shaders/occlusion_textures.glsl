@@ -22,7 +22,6 @@ uniform vec2 uvScale, uvOffset;
 uniform vec3 slices[SLICES];  // depth of the plane, of the lower boundary, 1 / metres of the fade
 uniform float p_bias;
 
-const int kCells = CELLS;
 const int kAll = CELLS * CELLS;
 
 float shrink(float zM) {
@@ -86,14 +85,10 @@ float total(Covered cell) {
 Covered covered[kAll];
 
 #ifdef PREFILTER_SAT
-layout(binding = 1) uniform usampler2DArray counts;  // SummedAreaTable::Kind::counts
+layout(binding = 1) uniform usampler2DArray counts;  // core/passes/count_table.hpp
+uniform int lanes;
 
-const int kSteps = CELLS + 1;       // lines between and around rows of cells
-const int kColumns = 2 * CELLS + 2;  // texels' borders on both sides of each line
-
-uint count(int x, int y, int slice) {
-    return texelFetch(counts, ivec3(x, y, slice >> 2), 0)[slice & 3];
-}
+const int kLines = CELLS + 1;  // between and around rows of cells
 
 // Where a kernel lies in the table; no kernel is narrower than a texel.
 Kernel within(Kernel kernel) {
@@ -106,49 +101,51 @@ Kernel within(Kernel kernel) {
 float roughly(Kernel kernel, int slice) {
     kernel = within(kernel);
     ivec2 from = ivec2(kernel.lo), to = min(ivec2(ceil(kernel.lo + kernel.size)), ivec2(mapSize));
-    uint inside = count(to.x, to.y, slice) - count(from.x, to.y, slice) -
-                  count(to.x, from.y, slice) + count(from.x, from.y, slice);
+    int plane = lanes == 1 ? slice : slice >> 1;
+    uint inside = texelFetch(counts, ivec3(to, plane), 0).r -
+                  texelFetch(counts, ivec3(from.x, to.y, plane), 0).r -
+                  texelFetch(counts, ivec3(to.x, from.y, plane), 0).r +
+                  texelFetch(counts, ivec3(from, plane), 0).r;
+    if (lanes == 2) inside = (slice & 1) == 0 ? inside & 0xffffu : inside >> 16;
     ivec2 extent = to - from;
     return inside == 0u ? 0.0 : inside == uint(extent.x * extent.y) ? 1.0 : 0.5;
 }
 
-uint top[kColumns];        // counts at the kernel's first row
-float above[CELLS + 1];  // sums over the kernel down to the line before
-
-// Adds line `step` of the lines around the cells' rows: the row of cells above it is then known.
-// Sums are counted from the kernel's first texel on, exactly and modulo 2^32, so that they are
-// small enough for floats however large the table's entries are.
-void addStep(Kernel kernel, int slice, float weight, int step) {
+// Sums at the crossings of the lines around cells, each between four texels. They are counted from
+// the kernel's first texel on, exactly and modulo 2^32, so that they are small enough for floats
+// however large the table's entries are.
+void coverBy(Kernel kernel, int slice, float weight) {
     kernel = within(kernel);
-    vec2 cell = kernel.size / float(kCells), hi = kernel.lo + kernel.size;
-    float y = step == kCells ? hi.y : kernel.lo.y + float(step) * cell.y;
-    int left = int(kernel.lo.x), row = int(y), next = min(row + 1, int(mapSize));
-    uint before = count(left, row, slice), nextBefore = count(left, next, slice);
-    float scale = weight / (cell.x * cell.y), last = 0.0;
-    for (int i = 0; i <= kCells; ++i) {
-        float x = i == kCells ? hi.x : kernel.lo.x + float(i) * cell.x;
-        vec2 upper, lower;
-        for (int s = 0; s < 2; ++s) {
-            int column = min(int(x) + s, int(mapSize));
-            uint up = count(column, row, slice) - before,
-                 down = count(column, next, slice) - nextBefore;
-            top[2 * i + s] = step == 0 ? up : top[2 * i + s];
-            upper[s] = float(up - top[2 * i + s]);
-            lower[s] = float(down - top[2 * i + s]);
+    vec2 cell = kernel.size / float(CELLS), hi = kernel.lo + kernel.size;
+    int plane = lanes == 1 ? slice : slice >> 1;
+    uint shift = uint(lanes - 1) * uint(slice & 1) * 16u, mask = lanes == 1 ? ~0u : 0xffffu;
+    float scale = weight / (cell.x * cell.y);
+    uvec4 top[kLines];    // crossings of the first line of each direction
+    float before[kLines]; // counts up to the line before
+    for (int j = 0; j < kLines; ++j) {
+        float y = j == CELLS ? hi.y : kernel.lo.y + float(j) * cell.y;
+        uvec4 left;
+        float last = 0.0;
+        for (int i = 0; i < kLines; ++i) {
+            float x = i == CELLS ? hi.x : kernel.lo.x + float(i) * cell.x;
+            vec2 corner = floor(vec2(x, y)), part = vec2(x, y) - corner;
+            // (0, 1), (1, 1), (1, 0) and (0, 0)
+            uvec4 at = textureGather(counts, vec3((corner + 1.0) / (mapSize + 1.0), plane));
+            if (j == 0) top[i] = at;
+            if (i == 0) left = at;
+            uvec4 count = at - left.xxww - top[i].wzzw + uvec4(top[0].w);
+            vec4 sums = vec4((count >> shift) & mask);
+            vec2 both = mix(sums.wz, sums.xy, part.y);
+            float sum = mix(both.x, both.y, part.x);
+            if (i > 0 && j > 0)
+                cover(covered[(j - 1) * CELLS + i - 1],
+                      clamp(scale * (sum - before[i] - last), 0.0, weight));
+            last = sum - (j > 0 ? before[i] : 0.0);
+            before[i] = sum;
         }
-        vec2 both = mix(upper, lower, fract(y));
-        float line = mix(both.x, both.y, fract(x)), band = line - above[i];
-        above[i] = line;
-        if (i > 0)
-            for (int r = 0; r < kCells; ++r)
-                if (r == step - 1)
-                    cover(covered[r * kCells + i - 1], clamp(scale * (band - last), 0.0, weight));
-        last = band;
     }
 }
 #else
-
-const int kSteps = kAll;
 
 #ifdef PREFILTER_N_BUFFERS
 layout(binding = 1) uniform sampler2DArray buffers;  // NBuffers
@@ -195,13 +192,11 @@ float roughly(Kernel kernel, int slice) {
     return boxMean(kernel.lo, kernel.size, slice);
 }
 
-// Adds one cell.
-void addStep(Kernel kernel, int slice, float weight, int step) {
-    vec2 cell = kernel.size / float(kCells);
-    float mean =
-        boxMean(kernel.lo + vec2(step % kCells, step / kCells) * cell, cell, slice);
+void coverBy(Kernel kernel, int slice, float weight) {
+    vec2 cell = kernel.size / float(CELLS);
     for (int i = 0; i < kAll; ++i)
-        if (i == step) cover(covered[i], weight * mean);
+        cover(covered[i],
+              weight * boxMean(kernel.lo + vec2(i % CELLS, i / CELLS) * cell, cell, slice));
 }
 #endif
 
@@ -210,10 +205,76 @@ float weightOf(vec3 p, int slice) {
     return min((p.z - slices[slice].y) * slices[slice].z, 1.0);
 }
 
+#ifdef CONTACT
+LightPoint receiver;
+
+// Whether the shadow map knows a caster between `fromM` and `toM` on the way from the light's
+// centre through `q`, light coordinates, that is not the receiver's own plane.
+bool castsAt(vec3 q, float fromM, float toM, out float casterM) {
+    casterM = 0.0;
+    vec3 l = tileAxes[receiver.tile] * (q * lightAxes);
+    vec4 tangents = tileTangents[receiver.tile];
+    vec2 uv = (l.xy / l.z - tangents.xy) * tangents.zw;
+    if (litAt(receiver, uv) == 1.0) return false;
+    float caster = texelFetch(shadowMap, ivec3(floor(uv * float(mapSize)), receiver.tile), 0).r;
+    casterM = q.z * tileNear[receiver.tile] / (caster * l.z);  // both on one way
+    return casterM >= fromM && casterM < toM;
+}
+
+// Where the way from the receiver to a point of the light, in half its size, crosses a depth.
+vec3 wayTo(vec2 onLight, vec3 p, float zM) {
+    return vec3(mix(lightHalfM * onLight, p.xy, zM / p.z), zM);
+}
+
+// A slice fades in because the receiver's own surface may go on in it. Where the map sees another
+// one there, on the ways through the light's centre and rim, it counts in full.
+bool castsFrom(int slice, vec3 p) {
+#ifdef FILLED
+    const int kFirst = 2;  // what goes on in a slice is drawn into it from the one above
+#else
+    const int kFirst = 1;
+#endif
+    float topM = slice >= kFirst ? slices[slice - kFirst].y : 0.0, casterM;
+    for (int y = -1; y <= 1; ++y)
+        for (int x = -1; x <= 1; ++x)
+            if (castsAt(wayTo(vec2(x, y), p, slices[slice].x), topM, slices[slice].y, casterM))
+                return true;
+    return false;
+}
+
+// What the slice that holds the receiver hides, which its texture cannot tell from the receiver: by
+// comparisons, as percentage-closer filtering has them, with what lies below `topM`, at the depth of
+// the first caster there that the light's centre or corners see. `continues` where the slice above is not
+// empty: both may show one surface.
+void coverByContact(vec3 p, float topM, bool continues) {
+    float depthM = 0.0, casterM;
+    bool any = castsAt(p, topM, p.z, depthM);
+    for (int i = 0; i < 4 && !any; ++i)
+        any = castsAt(wayTo(vec2(i & 1, i >> 1) * 2.0 - 1.0, p, 0.5 * (topM + p.z)), topM, p.z,
+                      depthM);
+    if (!any) return;
+    for (int c = 0; c < kAll; ++c) {
+        float hidden = 0.0;
+        for (int i = 0; i < 4; ++i) {
+            vec2 at = vec2(2 * (c % CELLS) + (i & 1), 2 * (c / CELLS) + (i >> 1)) + 0.5;
+            vec3 q = wayTo(at / float(CELLS) - 1.0, p, depthM);
+            if (castsAt(q, topM, p.z, casterM)) hidden += 0.25;
+        }
+        if (!continues) cover(covered[c], 0.0);
+#ifdef COMBINE_CONTINUED
+        covered[c].other = max(covered[c].other, covered[c].before);
+        covered[c].before = covered[c].other;
+#endif
+        cover(covered[c], hidden);
+    }
+}
+#endif
+
 // First what each slice is roughly: most are empty, and one that is full decides. Then those that
-// are neither, bit by bit and step by step: a renderer that runs both sides of every branch for
-// neighbouring pixels, as llvmpipe does, leaves loops as soon as none of them has work left.
-float lit(vec3 p) {
+// are neither, bit by bit: a renderer that runs both sides of every branch for neighbouring pixels,
+// as llvmpipe does, leaves loops as soon as none of them has work left.
+float lit(vec3 p, vec3 unmoved) {
+    int counting = 0;
     uint partial[(SLICES + 31) / 32];
     for (int w = 0; w < partial.length(); ++w) {
         partial[w] = 0u;
@@ -221,46 +282,37 @@ float lit(vec3 p) {
             int k = 32 * w + b;
             float weight = weightOf(p, k);
             if (weight <= 0.0) break;
+            counting = k + 1;
+#ifdef EARLY_OUTS
             float rough = roughly(kernelOn(p, slices[k].x), k);
             if (rough == 1.0 && weight == 1.0) return 0.0;
-            if (rough > 0.0) partial[w] |= 1u << b;
+            if (rough == 0.0) continue;
+#endif
+            partial[w] |= 1u << b;
         }
     }
     for (int i = 0; i < kAll; ++i) covered[i] = Covered(0.0, 0.0, 0.0);
     int previous = -1;
-    for (int w = 0; w < partial.length(); ++w) {
-        uint left = partial[w];
-        int step = 0;
-        while (left != 0u) {
+    for (int w = 0; w < partial.length(); ++w)
+        for (uint left = partial[w]; left != 0u; left &= left - 1u) {
             int k = 32 * w + findLSB(left);
             // Past empty slices a run of them is over.
-            if (step == 0 && k > previous + 1)
+            if (k > previous + 1)
                 for (int i = 0; i < kAll; ++i) cover(covered[i], 0.0);
-            addStep(kernelOn(p, slices[k].x), k, weightOf(p, k), step);
             previous = k;
-            if (++step == kSteps) {
-                step = 0;
-                left &= left - 1u;
-            }
+            float weight = weightOf(p, k);
+#ifdef CONTACT
+            if (weight < 1.0 && castsFrom(k, p)) weight = 1.0;
+#endif
+            coverBy(kernelOn(p, slices[k].x), k, weight);
         }
-    }
+#ifdef CONTACT
+    coverByContact(unmoved, counting > 0 ? slices[counting - 1].y : 0.0, previous == counting - 1);
+#endif
     float sum = 0.0;
     for (int i = 0; i < kAll; ++i) sum += total(covered[i]);
     return clamp(1.0 - sum / float(kAll), 0.0, 1.0);
 }
-
-#ifdef CONTACT
-// What hides the light's centre from within the slices that do not count, or not yet in full.
-float contact(vec3 p, LightPoint point) {
-    if (litAt(point, point.uv) == 1.0) return 0.0;
-    ivec2 texel = ivec2(floor(point.uv * float(mapSize)));
-    float caster = texelFetch(shadowMap, ivec3(texel, point.tile), 0).r;
-    float casterM = p.z * point.s / caster;  // both along one ray
-    for (int k = 0; k < SLICES; ++k)
-        if (casterM < slices[k].y) return 1.0 - clamp(weightOf(p, k), 0.0, 1.0);
-    return 1.0;
-}
-#endif
 
 void main() {
     vec3 position, normal;
@@ -273,14 +325,12 @@ void main() {
     // Slopes are moved off their own rasterised outline, by the more the steeper they are; surfaces
     // parallel to the light lie within one slice and stay where they are.
     vec2 texelM = 1.0 / (uvScale * shrink(p.z) * mapSize);
+    vec3 moved =
+        p + n * (p_bias * max(texelM.x, texelM.y) * sqrt(max(1.0 - n.z * n.z, 0.0)));
 #ifdef CONTACT
-    float near = contact(p, lightPoint(position, normal));
-#else
-    const float near = 0.0;
+    receiver = lightPoint(position, normal);
 #endif
-    p += n * (p_bias * max(texelM.x, texelM.y) * sqrt(max(1.0 - n.z * n.z, 0.0)));
-    // A caster that has faded in by half hides one half there and the other here.
-    visibility = max(lit(p) - near, 0.0);
+    visibility = lit(moved, p);
 }
 #endif
 #endif

@@ -34,24 +34,35 @@ void forEachReceiver(const Frame& frame, const SliceView& view, std::size_t stri
             visit(inLight(view, frame.gbuffer.position[i]));
 }
 
-/// Depth of the farthest receiver in each cell of the frustum's section and its neighbours, 0 where
-/// none is: what is not well in front of it casts no shadow that anyone sees.
-class ReceiverDepths {
+/// The farthest receiver in each cell of the frustum's section: what is not well in front of those
+/// around it casts no shadow that anyone sees.
+class FarthestReceivers {
   public:
-    ReceiverDepths(const Frame& frame, const SliceView& view)
-        : view_(view), depthM_(kSide * kSide) {
+    FarthestReceivers(const Frame& frame, const SliceView& view)
+        : view_(view), receivers_(kSide * kSide, glm::dvec3(0.0)) {
         // Some ten thousand points are enough to find a cell's depth.
         constexpr std::size_t kPoints = 20000;
         const std::size_t stride = 1 + frame.gbuffer.size() / kPoints;
         forEachReceiver(frame, view, stride, [&](const glm::dvec3& p) {
-            if (p.z <= 0.0) return;
-            const glm::ivec2 c = cell(p);
-            for (int y = std::max(c.y - 1, 0); y <= std::min(c.y + 1, kSide - 1); ++y)
-                for (int x = std::max(c.x - 1, 0); x <= std::min(c.x + 1, kSide - 1); ++x)
-                    depthM_[index({x, y})] = std::max(depthM_[index({x, y})], p.z);
+            glm::dvec3& farthest = receivers_[index(cell(p))];
+            if (p.z > farthest.z) farthest = p;
         });
     }
-    double clearanceM(const glm::dvec3& p) const { return depthM_[index(cell(p))] - p.z; }
+    /// By how much the farthest receiver around a plane's point `p` is below both the point and the
+    /// plane: what lies in one plane with its caster, as a slanting floor does, is not in its
+    /// shadow.
+    double clearanceM(const glm::dvec3& p, const glm::dvec3& normal) const {
+        double most = 0.0;
+        const glm::ivec2 c = cell(p);
+        for (int y = std::max(c.y - 1, 0); y <= std::min(c.y + 1, kSide - 1); ++y)
+            for (int x = std::max(c.x - 1, 0); x <= std::min(c.x + 1, kSide - 1); ++x) {
+                const glm::dvec3 from = receivers_[index({x, y})] - p;
+                const double belowPlane = std::abs(glm::dot(normal, from));
+                most = std::max(
+                    most, std::min(from.z, belowPlane / std::max(std::abs(normal.z), 0x1p-20)));
+            }
+        return most;
+    }
 
   private:
     static constexpr int kSide = 48;
@@ -61,7 +72,7 @@ class ReceiverDepths {
         return glm::clamp(glm::ivec2(uv * static_cast<double>(kSide)), 0, kSide - 1);
     }
     const SliceView& view_;
-    std::vector<double> depthM_;
+    std::vector<glm::dvec3> receivers_;
 };
 
 /// A triangle clipped to a convex volume by Sutherland and Hodgman.
@@ -87,7 +98,7 @@ class Polygon {
         count_ = count;
     }
     bool empty() const { return count_ == 0; }
-    Extent extent(const ReceiverDepths& receivers) const {
+    Extent extent(const FarthestReceivers& receivers) const {
         Extent e{at(0).z, at(0).z, 0.0, 0.0};
         glm::dvec3 middle(0.0);
         glm::dvec3 doubled(0.0);
@@ -98,7 +109,7 @@ class Polygon {
             doubled += glm::cross(at(i) - at(0), at((i + 1) % count_) - at(0));
         }
         e.areaM2 = 0.5 * glm::length(doubled);
-        e.clearanceM = receivers.clearanceM(middle);
+        if (e.areaM2 > 0.0) e.clearanceM = receivers.clearanceM(middle, glm::normalize(doubled));
         return e;
     }
 
@@ -126,7 +137,7 @@ std::array<glm::dvec4, 6> volume(const SliceView& view) {
 std::vector<Extent> castersIn(const SliceView& view, const Frame& frame) {
     const Geometry& geometry = *frame.geometry;
     const std::array<glm::dvec4, 6> planes = volume(view);
-    const ReceiverDepths receivers(frame, view);
+    const FarthestReceivers receivers(frame, view);
     tbb::enumerable_thread_specific<std::vector<Extent>> found;
     const auto part = [&](const tbb::blocked_range<std::size_t>& range) {
         std::vector<Extent>& extents = found.local();
@@ -240,6 +251,24 @@ void placeAtQuantiles(std::vector<double>& boundaries, std::vector<Extent> caste
     }
 }
 
+/// Moves boundaries down to where a gap between casters in their slice ends, so that no slice
+/// brings to one plane what lies apart. The part below the gap goes to the next slice.
+void cutAtGaps(std::vector<double>& boundaries, std::vector<Extent> casters) {
+    std::ranges::sort(casters, {}, &Extent::nearM);
+    std::vector<std::array<double, 2>> gaps;
+    double reachedM = boundaries[0];
+    for (const Extent& e : casters) {
+        if (e.nearM > reachedM) gaps.push_back({reachedM, e.nearM});
+        reachedM = std::max(reachedM, e.farM);
+    }
+    for (std::size_t k = 1; k < boundaries.size(); ++k)
+        for (const auto& [fromM, toM] : gaps)
+            if (fromM > boundaries[k - 1] && toM < boundaries[k]) {
+                boundaries[k] = toM;
+                break;
+            }
+}
+
 void placeSlices(SliceView& view, const std::vector<Extent>& casters,
                  const SliceSettings& settings) {
     // Without a caster any depth will do; without depth there is nothing to cut.
@@ -250,7 +279,10 @@ void placeSlices(SliceView& view, const std::vector<Extent>& casters,
     for (std::size_t k = 1; k <= count; ++k)
         view.boundariesM[k] =
             nearM + (view.farM - nearM) * static_cast<double>(k) / static_cast<double>(count + 1);
-    if (settings.quantiles) placeAtQuantiles(view.boundariesM, casters, view.farM);
+    if (settings.quantiles) {
+        placeAtQuantiles(view.boundariesM, casters, view.farM);
+        cutAtGaps(view.boundariesM, casters);
+    }
     view.planesM.assign(view.boundariesM.begin() + 1, view.boundariesM.end());
     if (!settings.snap) return;
     std::vector<double> deepest(count, 0.0);

@@ -5,10 +5,21 @@
 #include <vector>
 
 namespace penumbra {
+namespace {
 
-SlicePass::SlicePass(int slices, bool alphaMask) : slices_(slices), alphaMask_(alphaMask) {
+/// Mip levels down to one texel.
+int allLevels(int size) {
+    return 1 + static_cast<int>(std::floor(std::log2(size)));
+}
+
+}  // namespace
+
+SlicePass::SlicePass(int slices, SliceTargets targets, bool alphaMask)
+    : slices_(slices),
+      targets_(slices > kMostChannels ? SliceTargets::bits : targets),
+      alphaMask_(alphaMask) {
     std::vector<std::string> defines = {"SLICES " + std::to_string(slices)};
-    if (packed()) {
+    if (targets_ == SliceTargets::bits) {
         unpack_ = gl::Program::compute("common/slice_pass.glsl", defines);
         defines.emplace_back("SLICES_AS_BITS");
     }
@@ -19,19 +30,24 @@ SlicePass::SlicePass(int slices, bool alphaMask) : slices_(slices), alphaMask_(a
     framebuffer_ = gl::Framebuffer(id);
 }
 
-void SlicePass::allocate(int size, int levels) {
-    if (texture_.width() == size && levels_ == levels) return;
-    texture_ = gl::Texture::createArray(GL_RGBA8, size, size, layers(), levels);
-    levels_ = levels;
+void SlicePass::allocateChannels(int size) {
+    if (channels_.width() == size) return;
+    channels_ = gl::Texture::createArray(GL_RGBA8, size, size, layers(), allLevels(size));
+}
+
+void SlicePass::attach(int size) {
+    if (size_ == size) return;
+    size_ = size;
     std::vector<GLenum> targets;
-    if (packed()) {
-        bits_ = gl::Texture::create2D(GL_RGBA32UI, size, size);
+    if (targets_ == SliceTargets::bits) {
+        bits_ = gl::Texture::create2D(slices_ > 32 ? GL_RG32UI : GL_R32UI, size, size);
         glNamedFramebufferTexture(framebuffer_.id(), GL_COLOR_ATTACHMENT0, bits_.id(), 0);
         targets.push_back(GL_COLOR_ATTACHMENT0);
     } else {
+        allocateChannels(size);
         for (int i = 0; i < layers(); ++i) {
             const GLenum target = GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(i);
-            glNamedFramebufferTextureLayer(framebuffer_.id(), target, texture_.id(), 0, i);
+            glNamedFramebufferTextureLayer(framebuffer_.id(), target, channels_.id(), 0, i);
             targets.push_back(target);
         }
     }
@@ -39,10 +55,9 @@ void SlicePass::allocate(int size, int levels) {
                                   targets.data());
 }
 
-void SlicePass::render(const Frame& frame, const SliceView& view, const SliceFill& fill, int size,
-                       int levels) {
+void SlicePass::render(const Frame& frame, const SliceView& view, const SliceFill& fill, int size) {
     const gl::DebugGroup group("slice pass");
-    allocate(size, levels);
+    attach(size);
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_DEPTH_CLAMP);
     glDisable(GL_CULL_FACE);
@@ -50,7 +65,7 @@ void SlicePass::render(const Frame& frame, const SliceView& view, const SliceFil
     glDisable(GL_SCISSOR_TEST);
     glViewport(0, 0, size, size);
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());
-    if (packed()) {
+    if (targets_ == SliceTargets::bits) {
         constexpr std::array<GLuint, 4> kNothing = {};
         glClearNamedFramebufferuiv(framebuffer_.id(), GL_COLOR, 0, kNothing.data());
         glDisable(GL_BLEND);
@@ -66,11 +81,9 @@ void SlicePass::render(const Frame& frame, const SliceView& view, const SliceFil
     program_.use();
     program_.set("clipFromWorld", view.clipFromWorld());
     program_.set("depthRow", glm::vec4(glm::dvec4(view.axisZ, -glm::dot(view.axisZ, view.centre))));
-    for (int i = 0; i <= layers() * 4; ++i) {
+    for (int i = 0; i <= slices_; ++i) {
         // What is nearer than the first boundary by rounding belongs to the first slice.
-        const double boundary = i == 0         ? 0.0
-                                : i <= slices_ ? view.boundariesM[static_cast<std::size_t>(i)]
-                                               : HUGE_VAL;
+        const double boundary = i == 0 ? 0.0 : view.boundariesM[static_cast<std::size_t>(i)];
         program_.set(("boundariesM[" + std::to_string(i) + "]").c_str(),
                      static_cast<float>(boundary));
     }
@@ -80,15 +93,17 @@ void SlicePass::render(const Frame& frame, const SliceView& view, const SliceFil
     glDisable(GL_BLEND);
     glBlendEquation(GL_FUNC_ADD);
     glDisable(GL_COLOR_LOGIC_OP);
-    if (packed()) unpack();
 }
 
-void SlicePass::unpack() const {
+void SlicePass::unpack() {
+    if (targets_ == SliceTargets::channels) return;
+    const gl::DebugGroup group("slice pass: unpack");
+    allocateChannels(size_);
     unpack_.use();
     bits_.bind(0);
-    glBindImageTexture(0, texture_.id(), 0, GL_TRUE, 0, GL_WRITE_ONLY, GL_RGBA8);
+    glBindImageTexture(0, channels_.id(), 0, GL_TRUE, 0, GL_WRITE_ONLY, GL_RGBA8);
     constexpr int kSide = 8;  // of a work group
-    const auto groups = static_cast<GLuint>((texture_.width() + kSide - 1) / kSide);
+    const auto groups = static_cast<GLuint>((size_ + kSide - 1) / kSide);
     glDispatchCompute(groups, groups, static_cast<GLuint>(layers()));
     glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
                     GL_TEXTURE_UPDATE_BARRIER_BIT);

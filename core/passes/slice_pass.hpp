@@ -15,39 +15,49 @@ struct SliceFill {
     const gl::Texture* depthM = nullptr;
 };
 
+/// What slices are drawn into.
+enum class SliceTargets {
+    channels,  ///< one to four RGBA8 targets, a slice each channel, at most kMostChannels
+    bits,      ///< bits of one R32UI or RG32UI target (slice maps; Eisemann, Decoret 2006, I3D)
+};
+
 /// Occlusion textures: all casters between a light and its receivers in one geometry pass without
 /// depth test, each fragment a 1 in the channel of its slice (Eisemann, Decoret 2006, 3.4). Both
 /// sides of every triangle count.
 class SlicePass {
   public:
     static constexpr int kMostSlices = 64;
-    /// Up to here slices are drawn into channels of up to four RGBA8 targets; more become bits of
-    /// one RGBA32UI target (Eisemann, Decoret 2006, I3D: slice maps), unpacked afterwards.
     static constexpr int kMostChannels = 16;
 
     SlicePass() = default;
-    /// Compiles for that many slices (1 to kMostSlices), with or without the alpha test.
-    SlicePass(int slices, bool alphaMask);
+    /// Compiles for that many slices (1 to kMostSlices), with or without the alpha test. More than
+    /// kMostChannels are drawn as bits whatever `targets` says.
+    SlicePass(int slices, SliceTargets targets, bool alphaMask);
 
-    /// `view` has as many slices. `levels` mip levels are allocated, level 0 is drawn. Sets all GL
-    /// state it needs.
-    void render(const Frame& frame, const SliceView& view, const SliceFill& fill, int size,
-                int levels = 1);
+    /// `view` has as many slices. Sets all GL state it needs.
+    void render(const Frame& frame, const SliceView& view, const SliceFill& fill, int size);
+    /// Makes channels() from bits, where they are bits.
+    void unpack();
 
-    /// RGBA8 2D array of 0 and 1: slice k is channel k % 4 of layer k / 4.
-    const gl::Texture& texture() const { return texture_; }
-    double mebibytes() const { return texture_.mebibytes() + bits_.mebibytes(); }
+    int slices() const { return slices_; }
+    SliceTargets targets() const { return targets_; }
+    /// R32UI up to 32 slices, RG32UI above: slice k is bit k % 32 of channel k / 32.
+    const gl::Texture& bits() const { return bits_; }
+    /// RGBA8 2D array of 0 and 1: slice k is channel k % 4 of layer k / 4. All mip levels
+    /// are allocated, level 0 is drawn; where targets are bits, once they are unpacked.
+    const gl::Texture& channels() const { return channels_; }
+    double mebibytes() const { return channels_.mebibytes() + bits_.mebibytes(); }
 
   private:
-    bool packed() const { return slices_ > kMostChannels; }
     int layers() const { return (slices_ + 3) / 4; }
-    void allocate(int size, int levels);
-    void unpack() const;
+    void allocateChannels(int size);
+    void attach(int size);
 
-    int slices_ = 0, levels_ = 0;
+    int slices_ = 0, size_ = 0;
+    SliceTargets targets_ = SliceTargets::bits;
     bool alphaMask_ = false;
     gl::Program program_, unpack_;
-    gl::Texture texture_, bits_;
+    gl::Texture channels_, bits_;
     gl::Framebuffer framebuffer_;
 };
 

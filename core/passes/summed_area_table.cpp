@@ -23,7 +23,6 @@ SummedAreaTable SummedAreaTable::create(Kind kind) {
         std::vector<std::string> defines = {pass, "SEGMENTS " + std::to_string(kSegments),
                                             "LINES " + std::to_string(kLines)};
         if (kind == Kind::uint32) defines.emplace_back("TABLE_UINT");
-        if (kind == Kind::counts) defines.emplace_back("TABLE_COUNTS");
         if (kind == Kind::float32) defines.emplace_back("SUBTRACT_MEAN");
         return gl::Program::compute("common/summed_area_table_build.glsl", defines);
     };
@@ -44,8 +43,7 @@ void SummedAreaTable::build(const gl::Texture& source, double maxBoxTexels) {
         means_ = gl::Texture::createArray(GL_RG32F, 1, height + 1, layers);
         // The first row and column are nobody's sum and stay 0.
         if (integer())
-            glClearTexImage(table_.id(), 0, kind_ == Kind::counts ? GL_RGBA_INTEGER : GL_RG_INTEGER,
-                            GL_UNSIGNED_INT, nullptr);
+            glClearTexImage(table_.id(), 0, GL_RG_INTEGER, GL_UNSIGNED_INT, nullptr);
         else
             glClearTexImage(table_.id(), 0, GL_RG, GL_FLOAT, nullptr);
         glClearTexImage(means_.id(), 0, GL_RG, GL_FLOAT, nullptr);
@@ -71,7 +69,7 @@ void SummedAreaTable::build(const gl::Texture& source, double maxBoxTexels) {
 }
 
 GLenum SummedAreaTable::format() const {
-    return kind_ == Kind::counts ? GL_RGBA32UI : integer() ? GL_RG32UI : GL_RG32F;
+    return integer() ? GL_RG32UI : GL_RG32F;
 }
 
 double SummedAreaTable::stepOf(double maxBoxTexels) {

@@ -22,10 +22,6 @@ class SummedAreaTable {
         float32,
         /// RG32F of the source itself: what that mean is subtracted against, for tests.
         float32_with_mean,
-        /// RGBA32UI: how many ones each channel of a source of zeros and ones has, exactly. Looked
-        /// up
-        /// by the shader that needs it.
-        counts,
     };
 
     SummedAreaTable() = default;
@@ -56,7 +52,7 @@ class SummedAreaTable {
     void bind(const gl::Program& program, GLuint unit) const;
 
   private:
-    bool integer() const { return kind_ == Kind::uint32 || kind_ == Kind::counts; }
+    bool integer() const { return kind_ == Kind::uint32; }
     GLenum format() const;
 
     Kind kind_ = Kind::uint32;

@@ -1,9 +1,9 @@
 // Occlusion textures as ratios of one sitting. `light`: shade_ms at 1, 10 and 100 times the light's
 // area over that at 1 (the paper: independent), beside pcss and pcf. `slices`: build_ms over that
 // of 4 slices. `triangles`: build_ms of 16 slices on scenes of more and more triangles over their
-// depth pass. `prefilter`: mip levels, N-buffers and the summed-area table of 16 slices (the paper:
-// 1 : 3 : 32 at 256^2, 1 : 11 : 139 at 512^2) and each over a plain read and write of the texels
-// that it must touch. All are least times.
+// depth pass. `prefilters`: mip levels, N-buffers and the summed-area table of 16 slices (the
+// paper: 1 : 3 : 32 at 256^2, 1 : 11 : 139 at 512^2) and each over a plain read and write of the
+// texels that it must touch. All are least times.
 
 #include <benchmark/benchmark.h>
 
@@ -15,10 +15,10 @@
 
 #include "core/frame/gpu_geometry.hpp"
 #include "core/gl/context.hpp"
+#include "core/passes/count_table.hpp"
 #include "core/passes/depth_pass.hpp"
 #include "core/passes/n_buffers.hpp"
 #include "core/passes/slice_pass.hpp"
-#include "core/passes/summed_area_table.hpp"
 #include "harness/bench/stage.hpp"
 #include "harness/run/visibility_target.hpp"
 #include "methods/shadow_method.hpp"
@@ -76,7 +76,8 @@ void slices(benchmark::State& state) {
     const Stage stage("clouds", kPixels);
     std::map<int, double> ms;
     std::map<int, std::unique_ptr<Prepared>> methods;
-    SlicePass pass(kSlices, false), four(4, false);
+    SlicePass pass(kSlices, SliceTargets::bits, false), four(4, SliceTargets::bits, false),
+        channels(kSlices, SliceTargets::channels, false);
     const SliceView view = SliceView::fit(stage.frame, {}),
                     viewOfFour = SliceView::fit(stage.frame, {.slices = 4});
     for (const int count : {4, 8, 16, 32, 64}) {
@@ -84,16 +85,19 @@ void slices(benchmark::State& state) {
         methods[count] = std::make_unique<Prepared>(stage, "occlusion_textures",
                                                     Assignments{{"slices", std::to_string(count)}});
     }
-    double passMs = 1e9, fourMs = 1e9;
+    double passMs = 1e9, fourMs = 1e9, channelsMs = 1e9;
     for (auto _ : state) {
         for (auto& [count, least] : ms) least = leastMs(least, [&] { methods[count]->build(); });
         passMs = leastMs(passMs, [&] { pass.render(stage.frame, view, {}, kMapSize); });
         fourMs = leastMs(fourMs, [&] { four.render(stage.frame, viewOfFour, {}, kMapSize); });
+        channelsMs = leastMs(channelsMs, [&] { channels.render(stage.frame, view, {}, kMapSize); });
     }
     state.counters["build_ms_of_4"] = ms[4];
     for (const int count : {8, 16, 32, 64})
         state.counters["of_" + std::to_string(count)] = ms[count] / ms[4];
     state.counters["geometry_pass_of_16"] = passMs / fourMs;
+    state.counters["pass_ms_of_16"] = passMs;
+    state.counters["channels_of_bits"] = channelsMs / passMs;
 }
 
 void triangles(benchmark::State& state, const std::string& id) {
@@ -112,33 +116,23 @@ void triangles(benchmark::State& state, const std::string& id) {
     state.counters["of_depth_pass"] = buildMs / depthMs;
 }
 
-/// The texels of one layer of four slices: some, unevenly.
-gl::Texture binarySlices(int size, int layers) {
-    const int levels = 1 + static_cast<int>(std::log2(size));
-    gl::Texture texture = gl::Texture::createArray(GL_RGBA8, size, size, layers, levels);
-    std::vector<glm::u8vec4> texels;
-    for (int y = 0; y < size; ++y)
-        for (int x = 0; x < size; ++x)
-            texels.emplace_back((x * y) % 7 == 0 ? 255 : 0, (x + y) % 5 == 0 ? 255 : 0,
-                                x % 3 == 0 ? 255 : 0, y % 2 == 0 ? 255 : 0);
-    for (int layer = 0; layer < layers; ++layer)
-        glTextureSubImage3D(texture.id(), 0, 0, 0, layer, size, size, 1, GL_RGBA, GL_UNSIGNED_BYTE,
-                            texels.data());
-    return texture;
-}
-
 void prefilters(benchmark::State& state) {
     needContext();
     const auto size = static_cast<int>(state.range(0));
     constexpr int kLayers = kSlices / 4;
-    const gl::Texture source = binarySlices(size, kLayers);
+    const Stage stage("clouds", kPixels);
+    SlicePass slices(kSlices, SliceTargets::bits, false);
+    slices.render(stage.frame, SliceView::fit(stage.frame, {.mapSize = size}), {}, size);
+    slices.unpack();
+    const gl::Texture& source = slices.channels();
     const int levels = 1 + static_cast<int>(std::log2(size));
     NBuffers buffers = NBuffers::create();
-    SummedAreaTable table = SummedAreaTable::create(SummedAreaTable::Kind::counts);
+    CountTable table = CountTable::create(), wide = CountTable::create();
     // N-buffers of one level are a plain read and write of half floats; each further one reads the
-    // last and writes anew. A table is written twice, each time 16 bytes a texel.
+    // last and writes anew. A table is written twice, by rows and by columns: each time 2 bytes a
+    // texel of a slice where kernels have less than 65536 texels, else 4.
     NBuffers plain = NBuffers::create();
-    double mipMs = 1e9, bufferMs = 1e9, tableMs = 1e9, plainMs = 1e9, copyMs = 1e9;
+    double mipMs = 1e9, bufferMs = 1e9, tableMs = 1e9, wideMs = 1e9, plainMs = 1e9, copyMs = 1e9;
     const gl::Texture from = gl::Texture::createArray(GL_RGBA32UI, size, size, kLayers),
                       to = gl::Texture::createArray(GL_RGBA32UI, size, size, kLayers);
     const auto copy = [&] {
@@ -148,13 +142,15 @@ void prefilters(benchmark::State& state) {
     for (auto _ : state) {
         mipMs = leastMs(mipMs, [&] { glGenerateTextureMipmap(source.id()); });
         bufferMs = leastMs(bufferMs, [&] { buffers.build(source, levels); });
-        tableMs = leastMs(tableMs, [&] { table.build(source, static_cast<double>(size) * size); });
+        tableMs = leastMs(tableMs, [&] { table.build(slices, 65535.0); });
+        wideMs = leastMs(wideMs, [&] { wide.build(slices, 1e9); });
         plainMs = leastMs(plainMs, [&] { plain.build(source, 1); });
         copyMs = leastMs(copyMs, copy);
     }
     state.counters["mip_ms"] = mipMs;
     state.counters["n_buffers_of_mip"] = bufferMs / mipMs;
     state.counters["sat_of_mip"] = tableMs / mipMs;
+    state.counters["wide_sat_of_mip"] = wideMs / mipMs;
     state.counters["sat_of_n_buffers"] = tableMs / bufferMs;
     state.counters["n_buffers_of_plain"] = bufferMs / (plainMs * levels);
     state.counters["sat_of_plain"] = tableMs / (2.0 * plainMs);
@@ -163,13 +159,19 @@ void prefilters(benchmark::State& state) {
 
 const auto registered = [] {
     const auto timed = [](benchmark::internal::Benchmark* b) {
-        return b->Iterations(15)->Unit(benchmark::kMillisecond);
+        return b->Iterations(30)->Unit(benchmark::kMillisecond);
     };
     timed(benchmark::RegisterBenchmark("occlusion/light/occlusion_textures", lightSize,
                                        std::string("occlusion_textures"), Assignments{}));
     timed(benchmark::RegisterBenchmark("occlusion/light/one_cell", lightSize,
                                        std::string("occlusion_textures"),
                                        Assignments{{"cells", "1"}, {"contact", "none"}}));
+    timed(benchmark::RegisterBenchmark("occlusion/light/no_early_outs", lightSize,
+                                       std::string("occlusion_textures"),
+                                       Assignments{{"early_outs", "false"}}));
+    timed(benchmark::RegisterBenchmark(
+        "occlusion/light/one_cell_no_early_outs", lightSize, std::string("occlusion_textures"),
+        Assignments{{"cells", "1"}, {"contact", "none"}, {"early_outs", "false"}}));
     for (const char* id : {"pcss", "pcf"})
         timed(benchmark::RegisterBenchmark(("occlusion/light/" + std::string(id)).c_str(),
                                            lightSize, std::string(id), Assignments{}));

@@ -9,6 +9,8 @@ uniform vec4 depthRow;  // world to depth below the light, metres
 uniform int fill;       // 0 none, 1 down to fillDepths, 2 always
 out float depthM;
 flat out float fillToM;
+flat out int nearSlice;  // of one corner: where the search begins
+uniform float boundariesM[SLICES + 1];
 #ifdef ALPHA_MASK
 layout(location = 1) in vec2 texCoord;
 out vec2 uv;
@@ -16,6 +18,8 @@ out vec2 uv;
 void main() {
     gl_Position = clipFromWorld * vec4(position, 1.0);
     depthM = dot(depthRow, vec4(position, 1.0));
+    nearSlice = 0;
+    for (int i = 1; i <= SLICES; ++i) nearSlice += int(depthM >= boundariesM[i]);
     fillToM = fill == 2 ? 3.402823466e38 : 0.0;
     if (fill == 1) {
         int width = textureSize(fillDepths, 0).x;
@@ -30,7 +34,8 @@ void main() {
 #ifdef STAGE_FRAGMENT
 in float depthM;
 flat in float fillToM;
-uniform float boundariesM[4 * kLayers + 1];
+flat in int nearSlice;
+uniform float boundariesM[SLICES + 1];
 #ifdef ALPHA_MASK
 #include "common/alpha.glsl"
 in vec2 uv;
@@ -43,24 +48,26 @@ layout(location = 0) out vec4 slices[kLayers];
 
 // A slice has what lies between its boundaries and, where the caster is filled, what the slice
 // above it has.
-bool within(int slice) {
-    if (slice >= SLICES) return false;
-    float top = boundariesM[slice];
-    if (slice > 0 && fillToM > top) top = boundariesM[slice - 1];
-    return depthM >= top && depthM < boundariesM[slice + 1];
-}
-
 void main() {
 #ifdef ALPHA_MASK
     if (!alphaPasses(uv)) discard;
 #endif
+    int slice = nearSlice;
+    while (slice < SLICES && depthM >= boundariesM[slice + 1]) ++slice;
+    while (slice > 0 && depthM < boundariesM[slice]) --slice;
+    int filled = slice + 1 < SLICES && fillToM > boundariesM[slice + 1] ? slice + 1 : slice;
 #ifdef SLICES_AS_BITS
     bits = uvec4(0u);
-    for (int i = 0; i < SLICES; ++i)
-        if (within(i)) bits[i >> 5] |= 1u << (i & 31);
+    for (int w = 0; w < (SLICES + 31) / 32; ++w) {
+        if (slice < SLICES && slice >> 5 == w) bits[w] |= 1u << (slice & 31);
+        if (slice < SLICES && filled >> 5 == w) bits[w] |= 1u << (filled & 31);
+    }
 #else
-    for (int i = 0; i < kLayers; ++i)
-        slices[i] = vec4(within(4 * i), within(4 * i + 1), within(4 * i + 2), within(4 * i + 3));
+    for (int i = 0; i < kLayers; ++i) {
+        ivec4 own = 4 * i + ivec4(0, 1, 2, 3);
+        bvec4 is = equal(own, ivec4(slice)), also = equal(own, ivec4(filled));
+        slices[i] = slice < SLICES ? max(vec4(is), vec4(also)) : vec4(0.0);
+    }
 #endif
 }
 #endif

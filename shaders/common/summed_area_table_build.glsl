@@ -9,6 +9,7 @@
 #define STORED(sum) sum
 #define TABLE_IMAGE uimage2DArray
 #define TABLE_FORMAT rgba32ui
+uniform int lanes;  // slices that share a number, 1 or 2 (core/passes/count_table.hpp)
 #elif defined(TABLE_UINT)
 #define SUM uvec2
 #define CHANNELS rg
@@ -22,7 +23,14 @@
 #define TABLE_IMAGE image2DArray
 #define TABLE_FORMAT rg32f
 #endif
+#ifdef SOURCE_BITS
+layout(binding = 0) uniform usampler2D source;
+#else
 layout(binding = 0) uniform sampler2DArray source;
+#endif
+#ifdef SOURCE_ROW_SUMS
+layout(binding = 2, r32ui) writeonly uniform uimage2DArray planes;
+#endif
 layout(binding = 0, TABLE_FORMAT) uniform TABLE_IMAGE tableImage;
 layout(binding = 1, rg32f) uniform image2DArray meanImage;  // of rows; of all after the last row
 uniform float stepsPerUnit;
@@ -58,8 +66,19 @@ shared SUM segmentSums[kSegments * kLines];
 // Entry `i` of line `line`: a source texel in the first scan, what that left in the second.
 #ifdef PASS_ROWS
 SUM entry(int i, int line, int layer, vec2 mean) {
-#ifdef TABLE_COUNTS
-    return uvec4(round(texelFetch(source, ivec3(i, line, layer), 0)));
+#if defined(SOURCE_BITS)
+    // Four or eight slices of 32: a channel's own bit and, 16 bits up, the one after it.
+    int first = 4 * lanes * layer;
+    uint bits = texelFetch(source, ivec2(i, line), 0)[first >> 5] >> (first & 31);
+    uvec4 of = uvec4(0u, 1u, 2u, 3u) * uint(lanes);
+    uvec4 low = (uvec4(bits) >> of) & 1u, high = (uvec4(bits) >> (of + 1u)) & 1u;
+    return lanes == 1 ? low : low | high << 16u;
+#elif defined(SOURCE_CHANNELS)
+    uvec4 a = uvec4(round(texelFetch(source, ivec3(i, line, lanes * layer), 0)));
+    if (lanes == 1) return a;
+    int next = min(2 * layer + 1, textureSize(source, 0).z - 1);
+    uvec4 b = uvec4(round(texelFetch(source, ivec3(i, line, next), 0)));
+    return uvec4(a.xz, b.xz) | uvec4(a.yw, b.yw) << 16u;
 #else
     vec2 v = texelFetch(source, ivec3(i, line, layer), 0).rg;
 #ifdef TABLE_UINT
@@ -106,7 +125,11 @@ void main() {
 #else
         ivec3 at = ivec3(line + 1, i + 1, layer);
 #endif
+#ifdef SOURCE_ROW_SUMS
+        for (int c = 0; c < 4; ++c) imageStore(planes, ivec3(at.xy, 4 * layer + c), uvec4(sum[c]));
+#else
         imageStore(tableImage, at, STORED(sum));
+#endif
     }
 }
 #endif

@@ -5,7 +5,6 @@
 #include <random>
 #include <vector>
 
-#include "core/passes/summed_area_table.hpp"
 #include "tests/support/gl_fixture.hpp"
 
 namespace penumbra {
@@ -106,26 +105,6 @@ TEST_F(NBuffersTest, MipLevelsDoNotShift) {
     EXPECT_EQ(mip(0), 1.0f);
     // Each of three levels rounds to 1/255.
     EXPECT_NEAR(mip(1), 49.0 / 64.0, 3.0 / 255.0);
-}
-
-TEST_F(NBuffersTest, TableOfCountsIsExactAndShifts) {
-    using Table = SummedAreaTable;
-    const std::vector<glm::u8vec4> source = noise(0);
-    Table still = Table::create(Table::Kind::counts), shifted = Table::create(Table::Kind::counts);
-    still.build(upload(source), kSize * kSize);
-    shifted.build(upload(noise(1)), kSize * kSize);
-    const auto a = read<glm::uvec4>(still.table(), 1, GL_RGBA_INTEGER, GL_UNSIGNED_INT);
-    const auto b = read<glm::uvec4>(shifted.table(), 1, GL_RGBA_INTEGER, GL_UNSIGNED_INT);
-    const auto at = [](int x, int y) { return static_cast<std::size_t>(y * (kSize + 1) + x); };
-    std::vector<glm::uvec4> expected((kSize + 1) * (kSize + 1), glm::uvec4(0));
-    for (int y = 0; y < kSize; ++y)
-        for (int x = 0; x < kSize; ++x)
-            expected[at(x + 1, y + 1)] =
-                glm::uvec4(source[static_cast<std::size_t>(y * kSize + x)] / glm::u8vec4(255)) +
-                expected[at(x, y + 1)] + expected[at(x + 1, y)] - expected[at(x, y)];
-    EXPECT_EQ(a, expected);
-    for (int y = 0; y < kSize; ++y)
-        for (int x = 0; x < kSize; ++x) EXPECT_EQ(b[at(x + 1, y + 1)], a[at(x, y)]);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/error.hpp"
 #include "core/frame/casters.hpp"
@@ -117,6 +118,47 @@ TEST_F(SliceViewTest, PlanesLieAtTheDeepestCaster) {
         EXPECT_EQ(std::ranges::count_if(view.planesM,
                                         [&](double z) { return std::abs(z - depthM) < 1e-6; }),
                   1);
+}
+
+/// A light tilted by `tiltDeg` over a floor and two plates above it.
+TestFrame tiltedFrame(double tiltDeg) {
+    const double tilt = glm::radians(tiltDeg);
+    AreaLight light = lightAbove(4.0, 0.6, 0.6);
+    const glm::dvec3 towards(std::sin(tilt), 0.0, -std::cos(tilt));
+    light.centre = -4.0 * towards;
+    light.axisV = glm::dvec3(0.0, -1.0, 0.0);
+    light.axisU = glm::cross(light.axisV, towards);
+    Shape shape;
+    shape.rectangle({-4.0, -4.0}, {4.0, 4.0}, 0.0);
+    shape.rectangle({-0.6, -0.6}, {0.6, 0.6}, 1.0);
+    shape.rectangle({-0.5, -0.5}, {0.5, 0.5}, 2.0);
+    return {{shape.geometry(), light},
+            planeGBuffer(64, 64, {-1.5, -1.5, 0}, {4, 0, 0}, {0, 3, 0}, light)};
+}
+
+TEST_F(SliceViewTest, NoSliceHoldsCastersOnBothSidesOfAGap) {
+    for (const double tiltDeg : {0.0, 10.0, 20.0}) {
+        const SliceView view = SliceView::fit(*tiltedFrame(tiltDeg), {.quantiles = true});
+        // Depths of the plates' corners.
+        const double tilt = glm::radians(tiltDeg);
+        const auto depthM = [&](double x, double z) {
+            return 4.0 + std::sin(tilt) * x - std::cos(tilt) * z;
+        };
+        const double upper = depthM(0.5, 2.0), lower = depthM(-0.6, 1.0);
+        ASSERT_LT(upper, lower);
+        // Some slice's content ends with the upper plate.
+        EXPECT_EQ(std::ranges::count_if(view.planesM,
+                                        [&](double z) { return std::abs(z - upper) < 1e-5; }),
+                  1)
+            << tiltDeg;
+    }
+}
+
+TEST_F(SliceViewTest, FloorsThatSlantTakeNoMoreThanTheDepthsShareOfSlices) {
+    const SliceView view = SliceView::fit(*tiltedFrame(20.0), {.quantiles = true});
+    // The plates end at 3.3 metres, the floor's visible points reach from 3.5 to 4.9: a quarter of
+    // what counts is depth, of which that is three fifths.
+    EXPECT_LE(std::ranges::count_if(view.planesM, [](double z) { return z > 3.4; }), 4);
 }
 
 TEST_F(SliceViewTest, ReceiversBesideTheLightAreRefused) {

@@ -1,0 +1,38 @@
+#pragma once
+
+#include "core/gl/handles.hpp"
+#include "core/gl/program.hpp"
+#include "core/passes/slice_pass.hpp"
+
+namespace penumbra {
+
+/// Summed-area tables (Crow 1984) of occlusion textures: how many texels of any rectangle of each
+/// slice are covered, exactly, from four fetches. A plane's texel (x, y) holds the sum of all
+/// texels left of x and above y, so that it is one texel larger than the slices each way.
+///
+/// Sums are modulo 2^32 and differences of corners right as long as the box's own count fits. Where
+/// no box has more than 65535 texels two slices share a number: the low one's carries into the high
+/// one's half cancel in the difference, which halves what is to be written. Planes are one channel
+/// each, for a lookup asks for one slice at a time.
+class CountTable {
+  public:
+    CountTable() = default;
+    /// For the current context.
+    static CountTable create();
+
+    /// `maxBoxTexels` is the area of the largest box of whole texels that will be asked for.
+    void build(const SlicePass& slices, double maxBoxTexels);
+
+    /// R32UI 2D array: slice k is plane k / lanes(), in half k % lanes() of its numbers.
+    const gl::Texture& planes() const { return planes_; }
+    int lanes() const { return lanes_; }  ///< slices that share a plane, 1 or 2
+    double mebibytes() const { return rowSums_.mebibytes() + planes_.mebibytes(); }
+
+  private:
+    gl::Program rowsOfBits_, rowsOfChannels_, columns_;
+    gl::Texture rowSums_;  ///< RGBA32UI, four planes a layer: the scans of rows
+    gl::Texture planes_;
+    int lanes_ = 0;
+};
+
+}  // namespace penumbra
