@@ -7,16 +7,14 @@
 // shadows of few pixels; and what it saves in maps it pays in comparisons, unless these share the
 // evaluation's fetches or are made at few pixels.
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <optional>
 
 #include "core/passes/accumulation_buffer.hpp"
 #include "core/passes/light_maps.hpp"
 #include "core/passes/map_comparison.hpp"
-#include "core/sampling/light_tree.hpp"
+#include "core/sampling/light_refinement.hpp"
 #include "methods/shadow_method.hpp"
 
 namespace penumbra {
@@ -59,6 +57,16 @@ class AdaptiveLightSampled : public ShadowMethod {
                            {"all", "diagonals"},
                            "all four corners are compared with each other, or, as in the paper, "
                            "opposite ones"};
+    IntParameter rimDepth_{
+        this,
+        "rim_depth",
+        2,
+        -1,
+        7,
+        "",
+        "maps are from points drawn in from the light's rim, so that those of a tree "
+        "split this often everywhere stand amid equal cells; -1: from its very corners "
+        "on, as in the paper"};
     BoolParameter centreTest_{this, "centre_test", true,
                               "each part of the light has a map amid it, too, that is compared "
                               "with its corners' and counts half of the part"};
@@ -79,17 +87,26 @@ class AdaptiveLightSampled : public ShadowMethod {
         "shadow tests are kept as bits, so that a map is looked up once for all comparisons (tight "
         "ones in the camera's space only), or each comparison is an occlusion query"};
     IntParameter stride_{
-        this, "stride", 4, 1, 64, "pixels", "of so many pixels in a row or column one is compared"};
+        this, "stride", 8, 1, 64, "pixels", "of so many pixels in a row or column one is compared"};
     ChoiceParameter evaluation_{this,
                                 "evaluation",
                                 {"array", "buffer", "bits"},
                                 "all maps are read in one pass, or added to a buffer one by one, "
                                 "or visibility follows from "
                                 "the comparisons' bits (where all pixels have them, else array)"};
-    BoolParameter skipDecided_{this, "skip_decided", false,
-                               "pixels on which the light's corners, edges' middles and centre "
-                               "agree are not looked up in the other maps; casters that hide none "
-                               "of these nine leave specks"};
+    BoolParameter skipDecided_{
+        this, "skip_decided", true,
+        "where a compared pixel and its eight neighbours are lit in all maps, or dark in all, "
+        "pixels between are taken to be, too (evaluation in one array after comparison by bits); "
+        "shadows narrower than the stride may be missed"};
+    IntParameter checks_{this,
+                         "checks",
+                         1,
+                         0,
+                         9,
+                         "",
+                         "maps in which such a pixel is looked up all the same; where one does not "
+                         "agree, in all"};
     BoolParameter reuse_{this, "reuse", false,
                          "refinement starts where the previous frame's ended, less what that could "
                          "have done without; the image then depends on the frames before"};
@@ -117,9 +134,13 @@ class AdaptiveLightSampled : public ShadowMethod {
     std::vector<Assignments> ladder() const override {
         return {{{"epsilon", "0.5"}, {"map_size", "256"}, {"centre_test", "false"}},
                 {{"epsilon", "0.2"}},
-                {{"epsilon", "0.08"}, {"pcf", "2x2"}},
-                {{"epsilon", "0.04"}, {"pcf", "2x2"}},
-                {{"epsilon", "0.01"}, {"max_depth", "4"}, {"max_maps", "256"}, {"pcf", "2x2"}}};
+                {{"epsilon", "0.08"}, {"rim_depth", "3"}, {"pcf", "2x2"}},
+                {{"epsilon", "0.04"}, {"rim_depth", "3"}, {"pcf", "2x2"}},
+                {{"epsilon", "0.01"},
+                 {"rim_depth", "3"},
+                 {"max_depth", "4"},
+                 {"max_maps", "256"},
+                 {"pcf", "2x2"}}};
     }
 
     void prepare(const Scene&, const Plan& plan) override {
@@ -129,6 +150,8 @@ class AdaptiveLightSampled : public ShadowMethod {
         all_ = evaluation("light_sampled.glsl", "PASS_ALL");
         if (bits()) {
             mark_ = gl::Program::graphics("adaptive_light_sampled.glsl", {"PASS_MARK_BITS"});
+            spread_ = gl::Program::graphics("adaptive_light_sampled.glsl", {"PASS_SPREAD_STATES"});
+            shadeUndecided_ = evaluation("adaptive_light_sampled.glsl", "PASS_SHADE_UNDECIDED");
         } else {
             differ_ = gl::Program::graphics("adaptive_light_sampled.glsl", comparisonDefines());
             if (space_.is("light")) centreMap_ = DepthPass(plan.has(Effect::alpha_mask));
@@ -143,7 +166,6 @@ class AdaptiveLightSampled : public ShadowMethod {
     void build(const Frame& frame, const Plan& plan) override {
         hard_ = !plan.has(Effect::penumbra) || frame.light.isPoint();
         builtFor_ = frame.camera;
-        denied_ = 0;
         maps_.fit(frame, mapSize_, !hard_);
         if (hard_) return maps_.render(frame, std::vector<LightSample>(1));
         const gl::DebugGroup group("adaptive_light_sampled: refine");
@@ -158,10 +180,15 @@ class AdaptiveLightSampled : public ShadowMethod {
         if (!hard_ && evaluation_.is("buffer")) return accumulate(frame, target);
         const gl::DebugGroup group("adaptive_light_sampled: evaluate");
         const bool fromBits = !hard_ && shadedFromBits();
-        const gl::Program& program = hard_ ? oneMap_ : fromBits ? shadeBits_ : all_;
+        const bool undecided = !hard_ && !fromBits && bits() && skipDecided_;
+        if (undecided) bits_.spread(spread_, frame.gbufferTextures);
+        const gl::Program& program = hard_       ? oneMap_
+                                     : fromBits  ? shadeBits_
+                                     : undecided ? shadeUndecided_
+                                                 : all_;
         drawn(program);
-        program.set("decidingSamples", hard_ ? 0 : decidingSamples(frame));
-        if (fromBits) bits_.bind();
+        program.set(*this);
+        if (fromBits || undecided) bits_.bind();
         target.draw(program, frame.gbufferTextures);
     }
 
@@ -171,19 +198,12 @@ class AdaptiveLightSampled : public ShadowMethod {
         return {
             maps, maps * texels,
             maps_.mebibytes() + centreMap_.map().mebibytes() + sum_.mebibytes() + bits_.mebibytes(),
-            hard_ ? "" : reached()};
+            hard_ ? "" : refinement_.summary()};
     }
 
   private:
     bool bits() const { return countBy_.is("bits") && compare_.is("tight") && space_.is("camera"); }
     bool shadedFromBits() const { return bits() && evaluation_.is("bits") && stride_ == 1; }
-
-    /// The first samples are the root's corners, then those of its parts.
-    int decidingSamples(const Frame& frame) const {
-        const bool linear = frame.light.halfU == 0.0 || frame.light.halfV == 0.0;
-        const int first = linear ? 3 : 9;
-        return skipDecided_ && samples() > first ? first : 0;
-    }
 
     gl::Program evaluation(const char* file, const char* pass) const {
         std::vector<std::string> defines = {pass};
@@ -209,85 +229,35 @@ class AdaptiveLightSampled : public ShadowMethod {
         program.set("biasTexels", static_cast<float>(bias_));
     }
 
-    /// A part of the light and what its maps differ by, as epsilon bounds it.
-    struct Part {
-        std::size_t index = 0;  ///< among the tree's leaves, if it is one
-        LightTree::Leaf leaf;
-        double error = 0.0;
-    };
+    using Part = LightRefinement::Part;
 
-    /// Level by level: maps of new samples are rendered and all parts of the light that are new
-    /// compared before the first result is asked for.
     void refine(const Frame& frame) {
         const glm::bvec2 extent(frame.light.halfU > 0.0, frame.light.halfV > 0.0);
-        tree_ = LightTree(extent, maxDepth_);
+        const std::optional<int> rim = rimDepth_ < 0 ? std::nullopt : std::optional<int>(rimDepth_);
         // Four corners are the least that there is, whatever memory they take.
         const auto most = static_cast<int>(std::max<std::size_t>(
             4, std::min(static_cast<std::size_t>(maxMaps_), maps_.capacity())));
         if (space_.is("light")) centreMap_.render(frame, maps_.centre(), mapSize_);
-        if (reuse_ && extent == extent_) replay(most);
-        std::vector<LightTree::Leaf> superfluous;
-        std::vector<std::size_t> level(tree_.leaves().size());
-        std::iota(level.begin(), level.end(), std::size_t{0});
-        for (int known = 0; !level.empty(); known = maps_.count()) {
-            std::vector<Part> parts;
-            for (const std::size_t index : level) {
-                if (!tree_.canSplit(tree_.leaves()[index])) continue;
-                if (centreTest_ && samples() < most) tree_.addCentre(index);
-                parts.push_back({index, tree_.leaves()[index]});
-            }
-            render(frame, known);
-            const std::size_t leaves = parts.size();
-            if (reuse_ && known == 0)
-                for (const LightTree::Leaf& twig : tree_.inner())
-                    if (tree_.isTwig(twig)) parts.push_back({0, twig});
-            judge(frame, parts, known);
-            for (std::size_t i = leaves; i < parts.size(); ++i)
-                if (parts[i].error < epsilon_) superfluous.push_back(parts[i].leaf);
-            parts.resize(leaves);
-            level = split(std::move(parts), most);
-        }
-        if (reuse_) remember(extent, superfluous);
+        refinement_.run(LightTree(extent, maxDepth_, rim), {epsilon_, most, centreTest_, reuse_},
+                        [&](const LightTree& tree, std::span<Part> parts, int known) {
+                            render(frame, tree, known);
+                            judge(frame, tree, parts, known);
+                        });
     }
-
-    /// The previous frame's splits again.
-    void replay(int most) {
-        for (const LightTree::Leaf& part : before_) {
-            const std::size_t leaf = tree_.find(part.low, part.depth);
-            if (leaf == tree_.leaves().size() || samples() + tree_.samplesIfSplit(leaf) > most)
-                continue;
-            if (centreTest_) tree_.addCentre(leaf);
-            tree_.split(leaf);
-        }
-    }
-
-    /// This frame's splits, but for those that it could have done without.
-    void remember(glm::bvec2 extent, const std::vector<LightTree::Leaf>& superfluous) {
-        extent_ = extent;
-        before_.clear();
-        for (const LightTree::Leaf& part : tree_.inner()) {
-            const bool dropped = std::ranges::any_of(superfluous, [&](const auto& twig) {
-                return twig.low == part.low && twig.depth == part.depth && tree_.isTwig(part);
-            });
-            if (!dropped) before_.push_back(part);
-        }
-    }
-
-    int samples() const { return static_cast<int>(tree_.sampleCount()); }
 
     /// Renders the maps of all samples after the first `known`.
-    void render(const Frame& frame, int known) {
+    void render(const Frame& frame, const LightTree& tree, int known) {
         const glm::dvec2 halfM(frame.light.halfU, frame.light.halfV);
         std::vector<LightSample> added;
-        for (int i = known; i < samples(); ++i)
-            added.push_back({tree_.position(static_cast<std::size_t>(i)) * halfM, 1.0f});
+        for (auto i = static_cast<std::size_t>(known); i < tree.sampleCount(); ++i)
+            added.push_back({tree.position(i) * halfM, 1.0f});
         if (known == 0)
             maps_.render(frame, added);
         else if (!added.empty())
             maps_.append(frame, added);
     }
 
-    void judge(const Frame& frame, std::vector<Part>& parts, int known) {
+    void judge(const Frame& frame, const LightTree& tree, std::span<Part> parts, int known) {
         std::vector<MapComparison> comparisons;
         std::vector<std::size_t> partOf;
         for (std::size_t i = 0; i < parts.size(); ++i)
@@ -301,7 +271,7 @@ class AdaptiveLightSampled : public ShadowMethod {
         for (std::size_t i = 0; i < counts.size(); ++i) {
             Part& part = parts[partOf[i / tiles.count()]];
             double error = static_cast<double>(counts[i]) / whole;
-            if (criterion_.is("visibility")) error = std::sqrt(error) * tree_.area(part.leaf);
+            if (criterion_.is("visibility")) error = std::sqrt(error) * tree.area(part.leaf);
             part.error = std::max(part.error, error);
         }
     }
@@ -375,35 +345,20 @@ class AdaptiveLightSampled : public ShadowMethod {
                               });
     }
 
-    /// Splits what differs by epsilon or more; returns the new leaves.
-    std::vector<std::size_t> split(std::vector<Part> parts, int most) {
-        std::erase_if(parts, [&](const Part& part) { return part.error < epsilon_; });
-        std::ranges::stable_sort(parts, std::ranges::greater{}, &Part::error);
-        std::vector<std::size_t> level;
-        for (const Part& part : parts) {
-            if (samples() + tree_.samplesIfSplit(part.index) > most) {
-                ++denied_;
-                continue;
-            }
-            level.push_back(part.index);
-            const std::size_t first = tree_.leaves().size();
-            tree_.split(part.index);
-            for (std::size_t i = first; i < tree_.leaves().size(); ++i) level.push_back(i);
-        }
-        return level;
-    }
-
     /// Scaled so that leaf areas are whole numbers and equals 1, whose sums are exact.
     std::vector<float> finalWeights() const {
         using enum LightTreeWeights;
         const LightTreeWeights kind = weights_.is("leaf_area")     ? leafArea
                                       : weights_.is("local_depth") ? localDepth
                                                                    : equal;
-        const std::vector<double> weights = tree_.weights(kind);
-        const double finest = std::exp2(2 * tree_.deepest() + 3);
-        const double scale = kind == leafArea ? finest : 1.0 / std::ranges::min(weights);
+        const LightTree& tree = refinement_.tree();
+        const std::vector<double> weights = tree.weights(kind);
+        const double unit = kind == leafArea ? tree.leafAreaUnit() : std::ranges::min(weights);
         std::vector<float> scaled;
-        for (const double weight : weights) scaled.push_back(static_cast<float>(scale * weight));
+        for (const double weight : weights) {
+            const double units = weight / unit;
+            scaled.push_back(static_cast<float>(kind == leafArea ? std::round(units) : units));
+        }
         return scaled;
     }
 
@@ -424,26 +379,15 @@ class AdaptiveLightSampled : public ShadowMethod {
         target.draw(resolve_, frame.gbufferTextures);
     }
 
-    /// What the tree came to and what stopped it.
-    std::string reached() const {
-        const auto deepest = std::ranges::count_if(
-            tree_.leaves(), [&](const auto& leaf) { return !tree_.canSplit(leaf); });
-        return fmt::format("{} maps; {} of {} parts at max_depth, {} refused by max_maps",
-                           samples(), deepest, tree_.leaves().size(), denied_);
-    }
-
     LightMaps maps_;
     DepthPass centreMap_;
-    LightTree tree_;
+    LightRefinement refinement_;
     BlankTarget target_;
     QueriedComparison queries_;
     ShadowBits bits_;
     AccumulationBuffer sum_;
-    gl::Program oneMap_, all_, add_, resolve_, differ_, mark_, shadeBits_;
+    gl::Program oneMap_, all_, add_, resolve_, differ_, mark_, shadeBits_, spread_, shadeUndecided_;
     Camera builtFor_;
-    std::vector<LightTree::Leaf> before_;  ///< what the previous frame split, in its order
-    glm::bvec2 extent_{false};             ///< of that frame's light
-    int denied_ = 0;
     bool hard_ = false;
 };
 

@@ -1,13 +1,26 @@
 // Comparisons of maps from several points of the light (methods/adaptive_light_sampled.cpp);
-// evaluation is shaders/light_sampled.glsl's, but for PASS_SHADE_BITS.
+// evaluation is shaders/light_sampled.glsl's, but for PASS_SHADE_BITS and PASS_SHADE_UNDECIDED.
 // PASS_COMPARE: drawn in an occlusion query that counts the pixels at which the first COMPARED_MAPS
 // of `compared` do not agree. COMPARE_TIGHT, _ABSOLUTE, _RELATIVE or _SYMMETRIC; LIGHT_SPACE: pixels
 // are the texels of the centre's map.
 // PASS_MARK_BITS: adds new maps' shadow tests to the bits kept per pixel and counts by atomics.
+// PASS_SPREAD_STATES: what the pixels compared around each of them saw in all maps.
+// PASS_SHADE_UNDECIDED: reads all maps only where those around saw light and dark.
 #include "common/receiver.glsl"
 
 #ifdef STAGE_FRAGMENT
 #include "common/light_maps.glsl"
+
+#if defined(PASS_MARK_BITS) || defined(PASS_SPREAD_STATES) || defined(PASS_SHADE_UNDECIDED)
+// Of the pixels compared: whether any map was lit, and any dark; kNothing for what no light reaches.
+const uint kNothing = 0u, kLit = 1u, kDark = 2u;
+#ifndef PASS_SHADE_UNDECIDED
+layout(r8ui, binding = 1) uniform uimage2D pixelStates;
+#endif
+#ifndef PASS_MARK_BITS
+layout(r8ui, binding = 2) uniform uimage2D spreadStates;
+#endif
+#endif
 
 #if defined(PASS_MARK_BITS) || defined(PASS_SHADE_BITS)
 const int kMaxWords = kMaxLightSamples / 32;
@@ -42,8 +55,11 @@ layout(std430, binding = 1) buffer Counts { uint counts[]; };  // of a compariso
 
 void main() {
     vec3 position, normal;
-    if (!receivesAt(comparedPixel(), position, normal)) return;
     ivec2 texel = ivec2(gl_FragCoord.xy);
+    if (!receivesAt(comparedPixel(), position, normal)) {
+        imageStore(pixelStates, texel, uvec4(kNothing));
+        return;
+    }
     int end = firstLightSample + lightSampleCount;
     LightPoint centre = lightPoint(position, normal);
     Receiver receiver = receiverOf(centre, position, normal);
@@ -52,9 +68,7 @@ void main() {
         int first = max(32 * w, firstLightSample), last = min(32 * w + 32, end);
         uint word = 32 * w < firstLightSample ? imageLoad(shadowBits, ivec3(texel, w)).r : 0u;
         for (int i = first; i < last; ++i) {
-            float lit = !centre.inFront ? 1.0
-                        : tileCount > 1 ? litFromHalfCube(position, normal, i)
-                                        : litFrom(receiver, i);
+            float lit = centre.inFront ? litFromMap(receiver, position, normal, i) : 1.0;
             word |= uint(lit) << (i & 31);
         }
         if (first < last) imageStore(shadowBits, ivec3(texel, w), uvec4(word));
@@ -62,6 +76,7 @@ void main() {
         noneLit = noneLit && word == 0u;
         words[w] = word;
     }
+    imageStore(pixelStates, texel, uvec4((noneLit ? kNothing : kLit) | (allLit ? kNothing : kDark)));
     if (allLit || noneLit) return;
     ivec2 tile = texel / pixelTileSide;
     int at = tile.y * pixelTileColumns + tile.x;
@@ -71,6 +86,39 @@ void main() {
         if (bitOf(maps.y) != first || bitOf(maps.z) != first || bitOf(maps.w) != first)
             atomicAdd(counts[c * pixelTileCount + at], 1u);
     }
+}
+
+#elif defined(PASS_SPREAD_STATES)
+void main() {
+    ivec2 texel = ivec2(gl_FragCoord.xy), last = imageSize(pixelStates) - 1;
+    uint seen = kNothing;
+    for (int y = -1; y <= 1; ++y)
+        for (int x = -1; x <= 1; ++x)
+            seen |= imageLoad(pixelStates, clamp(texel + ivec2(x, y), ivec2(0), last)).r;
+    imageStore(spreadStates, texel, uvec4(seen));
+}
+
+#elif defined(PASS_SHADE_UNDECIDED)
+uniform int p_stride;
+uniform int p_checks;
+
+void main() {
+    vec3 position, normal;
+    if (!receives(position, normal)) return;
+    uint seen = imageLoad(spreadStates, ivec2(gl_FragCoord.xy) / p_stride).r;
+    if (seen == kLit || seen == kDark) {
+        float all = seen == kLit ? 1.0 : 0.0;
+        LightPoint centre = lightPoint(position, normal);
+        bool agree = true;
+        if (p_checks > 0 && centre.inFront) {
+            Receiver receiver = receiverOf(centre, position, normal);
+            for (int i = 0; i < min(p_checks, lightSampleCount); ++i)
+                agree = agree && litFromMap(receiver, position, normal, i) == all;
+        }
+        visibility = all;
+        if (agree) return;
+    }
+    visibility = litSum(position, normal) / lightSampleWeight;
 }
 
 #elif defined(PASS_SHADE_BITS)
@@ -181,8 +229,7 @@ void main() {
     float value[COMPARED_MAPS];
     for (int c = 0; c < COMPARED_MAPS; ++c) {
 #ifdef COMPARE_TIGHT
-        value[c] = tileCount > 1 ? litFromHalfCube(position, normal, compared[c])
-                                 : litFrom(receiver, compared[c]);
+        value[c] = litFromMap(receiver, position, normal, compared[c]);
 #else
         value[c] = inverseDepth(centre, receiver, position, normal, compared[c]);
 #endif

@@ -5,7 +5,8 @@
 namespace penumbra {
 namespace {
 
-constexpr GLuint kBitsUnit = 0, kComparisonsBinding = 0, kCountsBinding = 1;
+constexpr GLuint kBitsUnit = 0, kStatesUnit = 1, kSpreadUnit = 2, kComparisonsBinding = 0,
+                 kCountsBinding = 1;
 
 /// At least `bytes` of storage.
 void reserve(gl::Buffer& buffer, std::size_t bytes) {
@@ -94,7 +95,9 @@ std::vector<std::uint64_t> QueriedComparison::results(std::size_t queries) const
 ShadowBits::ShadowBits(int width, int height)
     : target_(width, height),
       bits_(gl::Texture::createArray(GL_R32UI, width, height,
-                                     static_cast<int>(LightMaps::kMaxSamples / 32))) {}
+                                     static_cast<int>(LightMaps::kMaxSamples / 32))),
+      states_(gl::Texture::create2D(GL_R8UI, width, height)),
+      spread_(gl::Texture::create2D(GL_R8UI, width, height)) {}
 
 std::vector<std::uint64_t> ShadowBits::mark(const gl::Program& program,
                                             const GBufferTextures& gbuffer,
@@ -124,8 +127,19 @@ std::vector<std::uint64_t> ShadowBits::mark(const gl::Program& program,
     return {counts.begin(), counts.end()};
 }
 
+void ShadowBits::spread(const gl::Program& program, const GBufferTextures& gbuffer) const {
+    program.use();
+    bind();
+    target_.begin(gbuffer);
+    target_.draw();
+    target_.end();
+    glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
+}
+
 void ShadowBits::bind() const {
     glBindImageTexture(kBitsUnit, bits_.id(), 0, GL_TRUE, 0, GL_READ_WRITE, GL_R32UI);
+    glBindImageTexture(kStatesUnit, states_.id(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_R8UI);
+    glBindImageTexture(kSpreadUnit, spread_.id(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_R8UI);
 }
 
 }  // namespace penumbra

@@ -87,7 +87,8 @@ class QueriedComparison {
 
 /// Shadow tests kept as one bit per pixel and map, so that a map is looked up once however many
 /// comparisons it takes part in; pixels that differ are counted by atomics. The programs are
-/// shaders/adaptive_light_sampled.glsl's PASS_MARK_BITS and PASS_SHADE_BITS.
+/// shaders/adaptive_light_sampled.glsl's PASS_MARK_BITS, PASS_SHADE_BITS, PASS_SPREAD_STATES and
+/// PASS_SHADE_UNDECIDED.
 class ShadowBits {
   public:
     ShadowBits() = default;
@@ -99,16 +100,21 @@ class ShadowBits {
     std::vector<std::uint64_t> mark(const gl::Program& program, const GBufferTextures& gbuffer,
                                     std::span<const MapComparison> comparisons,
                                     const TileGrid& tiles);
-    /// Binds the bits for a program that reads them, after mark.
+    /// Gathers for every pixel what it and its eight neighbours saw in all maps marked.
+    void spread(const gl::Program& program, const GBufferTextures& gbuffer) const;
+    /// Binds bits and states for a program that reads them, after mark and spread.
     void bind() const;
     bool holds(int width, int height) const {
         return bits_.width() == width && bits_.height() == height;
     }
-    double mebibytes() const { return bits_.mebibytes(); }
+    double mebibytes() const {
+        return bits_.mebibytes() + states_.mebibytes() + spread_.mebibytes();
+    }
 
   private:
     BlankTarget target_;
-    gl::Texture bits_;  ///< R32UI array, bit i % 32 of layer i / 32 is map i's
+    gl::Texture bits_;             ///< R32UI array, bit i % 32 of layer i / 32 is map i's
+    gl::Texture states_, spread_;  ///< R8UI: 1 some map lit, 2 some map dark, 3 both
     gl::Buffer comparisons_, counts_;
 };
 

@@ -5,7 +5,8 @@
 
 namespace penumbra {
 
-LightTree::LightTree(glm::bvec2 extent, int maxDepth) : extent_(extent), maxDepth_(maxDepth) {
+LightTree::LightTree(glm::bvec2 extent, int maxDepth, std::optional<int> rimDepth)
+    : extent_(extent), maxDepth_(maxDepth), rim_(rimDepth ? std::exp2(-1 - *rimDepth) : 0.0) {
     leaves_.push_back(leafAt(glm::ivec2(0), 0));
 }
 
@@ -75,12 +76,47 @@ void LightTree::addCentre(std::size_t index) {
 }
 
 glm::dvec2 LightTree::position(std::size_t sample) const {
-    const glm::dvec2 st = glm::dvec2(samples_[sample]) / static_cast<double>(steps(0));
-    return {extent_.x ? 2.0 * st.x - 1.0 : 0.0, extent_.y ? 2.0 * st.y - 1.0 : 0.0};
+    // From the middle, so that both sides are rounded alike.
+    const glm::dvec2 st =
+        (2.0 * glm::dvec2(samples_[sample]) / static_cast<double>(steps(0)) - 1.0) /
+        (1.0 + 2.0 * rim_);
+    return {extent_.x ? st.x : 0.0, extent_.y ? st.y : 0.0};
 }
 
 double LightTree::area(const Leaf& leaf) const {
     return std::exp2(-(extent_.x + extent_.y) * leaf.depth);
+}
+
+/// Half of a leaf along an axis, and the rim beyond it where it is outermost; in widths of the
+/// lattice.
+double LightTree::halfWithRim(const Leaf& leaf, int axis, bool high) const {
+    const int end = high ? leaf.low[axis] + steps(leaf.depth) : leaf.low[axis];
+    return std::exp2(-leaf.depth - 1) + (end == (high ? steps(0) : 0) ? rim_ : 0.0);
+}
+
+double LightTree::leafAreaUnit() const {
+    const int axes = extent_.x + extent_.y;
+    // A leaf's quarter, an eighth with a sample amid it; the rim halves a leaf at most as often as
+    // its own depth is beyond the tree's.
+    const double step =
+        rim_ > 0.0 ? std::min(std::exp2(-deepest()), 2.0 * rim_) : std::exp2(-deepest());
+    return std::pow(step / 2.0, axes) / 2.0 / std::pow(1.0 + 2.0 * rim_, axes);
+}
+
+std::string LightTree::preorder() const {
+    std::string text;
+    preorder(glm::ivec2(0), 0, text);
+    return text;
+}
+
+void LightTree::preorder(glm::ivec2 low, int depth, std::string& text) const {
+    const bool leaf = find(low, depth) < leaves_.size();
+    text += leaf ? '.' : '+';
+    if (leaf) return;
+    const int half = steps(depth + 1);
+    for (int y = 0; y <= (extent_.y ? 1 : 0); ++y)
+        for (int x = 0; x <= (extent_.x ? 1 : 0); ++x)
+            preorder(low + half * glm::ivec2(x, y), depth + 1, text);
 }
 
 int LightTree::deepest() const {
@@ -93,14 +129,21 @@ std::vector<double> LightTree::weights(LightTreeWeights kind) const {
     const int axes = extent_.x + extent_.y;
     std::vector<double> weights(sampleCount(), 0.0);
     if (kind == LightTreeWeights::leafArea) {
+        const double whole = std::pow(1.0 + 2.0 * rim_, axes);
         for (const Leaf& leaf : leaves_) {
             // A sample amid a leaf stands for half of it: the mean of the trapezoidal and the
             // midpoint rule, in whole multiples of the deepest leaf's corners.
-            const double whole = area(leaf);
-            const double shared = leaf.centre >= 0 ? 0.5 * whole : whole;
-            for (const int corner : leaf.corners)
-                weights[static_cast<std::size_t>(corner)] += shared / 4.0;
-            if (leaf.centre >= 0) weights[static_cast<std::size_t>(leaf.centre)] += whole - shared;
+            const double amid = leaf.centre >= 0 ? 0.5 * area(leaf) : 0.0;
+            for (int corner = 0; corner < 4; ++corner) {
+                double share = 1.0;
+                for (int axis = 0; axis < 2; ++axis) {
+                    const bool high = axis == 0 ? corner & 1 : corner >> 1;
+                    share *= extent_[axis] ? halfWithRim(leaf, axis, high) : 0.5;
+                }
+                weights[static_cast<std::size_t>(leaf.corners[static_cast<std::size_t>(corner)])] +=
+                    (share - 0.25 * amid) / whole;
+            }
+            if (leaf.centre >= 0) weights[static_cast<std::size_t>(leaf.centre)] += amid / whole;
         }
         return weights;
     }

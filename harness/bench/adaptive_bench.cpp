@@ -5,143 +5,26 @@
 // defaults. Counters: `maps` reached at `epsilon`; `speed`, the regular frame's time over the
 // adaptive one's, medians of turns taken in one sitting; `rmse` and `rmse_regular` against the
 // traced reference in every fourth pixel of a row and column; `compare`, the share of the adaptive
-// frame that is neither its maps (as `light_sampled` renders as many) nor evaluation.
+// frame that is neither its maps (as `light_sampled` renders as many) nor evaluation; `work` is
+// `speed` by processor time.
+//
+// equal_rmse/<scene> of the standard suite, 512 x 512: `speed` is the processor time of as many
+// regular samples (`regular`, interpolated on their own curve) as have the rmse of the method's
+// defaults over that of the defaults, both with 2 x 2 comparisons; `_fine` the same of epsilon
+// 0.08. `penumbra`: pixels that see some of the light and not all.
 
-#include <benchmark/benchmark.h>
+#include "harness/bench/adaptive_stage.hpp"
+#include "harness/run/suite.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <memory>
-#include <string>
-
-#include "core/frame/gpu_geometry.hpp"
-#include "core/gl/context.hpp"
-#include "harness/bench/stage.hpp"
-#include "harness/reference/reference.hpp"
-#include "harness/run/visibility_target.hpp"
-#include "methods/shadow_method.hpp"
-
-namespace penumbra {
+namespace penumbra::bench {
 namespace {
 
-using bench::needContext;
-using bench::Stage;
-
-constexpr int kWidth = 1024, kHeight = 768;
-
-/// Of a linear light only the rectangle's greater extent is left.
-void makeLinear(AreaLight& light) {
-    (light.halfU < light.halfV ? light.halfU : light.halfV) = 0.0;
-}
-
-/// A method set up for a stage, and its last frame's times.
-class Player {
-  public:
-    Player(const Stage& stage, const std::string& id, const Assignments& settings)
-        : stage_(stage), method_(findMethod(id).make()), target_(kWidth, kHeight) {
-        for (const auto& [parameter, value] : settings) method_->set(id, parameter, value);
-        plan_ = planFor({}, stage.calledFor, method_->traits().simulates);
-        method_->prepare(*stage.scene, plan_);
-    }
-
-    void play() {
-        const gl::FencedTimer build;
-        method_->build(stage_.frame, plan_);
-        buildMs.push_back(build.stop());
-        const gl::FencedTimer shade;
-        method_->shade(stage_.frame, plan_, target_);
-        frameMs.push_back(buildMs.back() + shade.stop());
-    }
-    std::vector<float> image() const { return target_.read(); }
-    /// Rendered by the last frame.
-    int maps() const { return method_->counters().maps; }
-
-    std::vector<double> buildMs, frameMs;
-
-  private:
-    const Stage& stage_;
-    std::unique_ptr<ShadowMethod> method_;
-    Plan plan_;
-    TextureTarget target_;
-};
-
-double median(std::vector<double> values) {
-    std::ranges::sort(values);
-    return values[values.size() / 2];
-}
-
-Assignments with(Assignments settings, const std::string& parameter, const std::string& value) {
-    settings.emplace_back(parameter, value);
-    return settings;
-}
-
-/// Reference and rmse in every fourth pixel of a row and column.
-class Sparse {
-  public:
-    explicit Sparse(const Stage& stage) : gbuffer_(stage.gbuffer) {
-        for (int y = 0; y < kHeight; ++y)
-            for (int x = 0; x < kWidth; ++x)
-                if (x % 4 != 0 || y % 4 != 0)
-                    gbuffer_.mask[static_cast<std::size_t>(y * kWidth + x)] =
-                        PixelClass::background;
-        ReferenceOptions options;
-        options.targetStandardError = 1.0 / 256;
-        reference_ = traceReference(stage.tracer, gbuffer_, stage.moment.light, options);
-    }
-
-    double rmse(const std::vector<float>& image) const {
-        double sum = 0.0;
-        for (std::size_t i = 0; i < image.size(); ++i)
-            if (gbuffer_.mask[i] == PixelClass::scored)
-                sum += std::pow(static_cast<double>(image[i]) - reference_.visibility[i], 2.0);
-        return std::sqrt(sum / static_cast<double>(
-                                   std::max<std::size_t>(1, gbuffer_.count(PixelClass::scored))));
-    }
-
-  private:
-    GBuffer gbuffer_;
-    Reference reference_;
-};
-
-/// The greatest epsilon, to one per cent, that still gives `maps` of them or more.
-double epsilonFor(const Stage& stage, const Assignments& settings, int maps) {
-    double low = 1e-3, high = 4.0;
-    for (int step = 0; step < 10; ++step) {
-        const double middle = std::sqrt(low * high);
-        Player player(stage, "adaptive_light_sampled",
-                      with(settings, "epsilon", std::to_string(middle)));
-        player.play();
-        (player.maps() >= maps ? low : high) = middle;
-    }
-    return low;
-}
-
-struct Case {
-    std::string name, scene;
-    bool linear;
-    int maps, regularMaps;
-};
+constexpr int kSuitePixels = 512;
 
 void adaptiveAgainstRegular(benchmark::State& state, const Case& c, bool paper) {
     needContext();
     const Stage stage(c.scene, kWidth, kHeight, c.linear ? makeLinear : nullptr);
-    Assignments adaptive = {
-        {"pcf", "2x2"}, {"max_depth", c.linear ? "7" : "3"}, {"max_maps", c.linear ? "129" : "81"}};
-    Assignments regular = {{"pcf", "true"}, {"pattern", "lattice"}};
-    if (paper) {
-        for (const auto& [parameter, value] : Assignments{{"count_by", "queries"},
-                                                          {"criterion", "map_texels"},
-                                                          {"pairs", "diagonals"},
-                                                          {"centre_test", "false"},
-                                                          {"stride", "1"}})
-            adaptive = with(adaptive, parameter, value);
-        adaptive = with(adaptive, "compare", c.linear ? "absolute" : "relative");
-        adaptive = with(adaptive, "weights", c.linear ? "equal" : "local_depth");
-        adaptive = with(adaptive, "evaluation", c.linear ? "buffer" : "array");
-        if (c.linear) regular = with(regular, "accumulation", "buffer");
-    } else {
-        adaptive = with(adaptive, "skip_decided", "true");
-    }
+    const auto [adaptive, regular] = settingsOf(c, paper);
     const double epsilon = c.maps > c.regularMaps ? 0.0 : epsilonFor(stage, adaptive, c.maps);
     Player sparse(stage, "adaptive_light_sampled",
                   with(adaptive, "epsilon", std::to_string(epsilon)));
@@ -159,24 +42,102 @@ void adaptiveAgainstRegular(benchmark::State& state, const Case& c, bool paper) 
     state.counters["maps"] = sparse.maps();
     state.counters["epsilon"] = epsilon;
     state.counters["speed"] = median(all.frameMs) / frameMs;
+    state.counters["work"] = all.workMs / sparse.workMs;
     state.counters["rmse"] = truth.rmse(sparse.image());
     state.counters["rmse_regular"] = truth.rmse(all.image());
     state.counters["compare"] = (median(sparse.buildMs) - median(mapsOnly.buildMs)) / frameMs;
 }
 
+/// What a setting of the regular method costs and buys.
+struct Price {
+    double samples, rmse, workMs, buildWorkMs;
+};
+
+/// Where `at` lies between `low` and `high`, 0 to 1, by logarithms.
+double between(double low, double high, double at) {
+    return std::log(at / low) / std::log(high / low);
+}
+
+double mix(double low, double high, double t) {
+    return low * std::pow(high / low, t);
+}
+
+/// Of the regular method at `rmse`, between its settings (cheapest first): the cheapest's where
+/// that is as good, and the last pair's slope goes on beyond the dearest.
+Price priceAt(const std::vector<Price>& regular, double rmse) {
+    std::size_t i = 0;
+    while (i < regular.size() && regular[i].rmse > rmse) ++i;
+    if (i == 0) return regular[0];
+    i = std::min(i, regular.size() - 1);
+    const Price &before = regular[i - 1], &after = regular[i];
+    const double t = between(before.rmse, after.rmse, rmse);
+    return {mix(before.samples, after.samples, t), rmse, mix(before.workMs, after.workMs, t),
+            mix(before.buildWorkMs, after.buildWorkMs, t)};
+}
+
+/// Work of rendering `maps` maps and no more.
+double mapsWorkMs(const std::vector<Price>& regular, double maps) {
+    std::size_t i = 1;
+    while (i + 1 < regular.size() && regular[i].samples < maps) ++i;
+    const Price &before = regular[i - 1], &after = regular[i];
+    return mix(before.buildWorkMs, after.buildWorkMs, between(before.samples, after.samples, maps));
+}
+
+/// Regular sampling against adaptive at equal rmse: same map size, 2 x 2 comparisons on both sides.
+void equalRmse(benchmark::State& state, const std::string& scene) {
+    needContext();
+    const Stage stage(scene, kSuitePixels);
+    const Sparse truth(stage);
+    std::vector<Player> regular, adaptive;
+    const std::vector<int> counts = {1, 4, 9, 16, 25, 49, 100};
+    for (const int count : counts)
+        regular.emplace_back(stage, "light_sampled",
+                             Assignments{{"samples", std::to_string(count)}, {"pcf", "true"}});
+    const std::vector<std::pair<std::string, Assignments>> rungs = {
+        {"", {{"pcf", "2x2"}}},
+        {"_fine", {{"pcf", "2x2"}, {"epsilon", "0.08"}, {"rim_depth", "3"}}}};
+    for (const auto& [name, settings] : rungs)
+        adaptive.emplace_back(stage, "adaptive_light_sampled", settings);
+    const auto playAll = [&] {
+        for (Player& player : regular) player.play();
+        for (Player& player : adaptive) player.play();
+    };
+    playAll();
+    for (auto _ : state) playAll();
+    std::vector<Price> curve;
+    for (std::size_t i = 0; i < regular.size(); ++i)
+        curve.push_back({static_cast<double>(counts[i]), truth.rmse(regular[i].image()),
+                         regular[i].workMs, regular[i].buildWorkMs});
+    for (std::size_t i = 0; i < adaptive.size(); ++i) {
+        const Player& player = adaptive[i];
+        const double rmse = truth.rmse(player.image());
+        const Price same = priceAt(curve, rmse);
+        const std::string& rung = rungs[i].first;
+        state.counters["maps" + rung] = player.maps();
+        state.counters["rmse" + rung] = rmse;
+        state.counters["regular" + rung] = same.samples;
+        state.counters["speed" + rung] = same.workMs / player.workMs;
+        state.counters["compare" + rung] =
+            (player.buildWorkMs - mapsWorkMs(curve, player.maps())) / player.workMs;
+    }
+    state.counters["penumbra"] = truth.penumbra();
+}
+
 const auto registered = [] {
-    for (const Case& c : {Case{"14_of_81", "sphere_plate", false, 14, 81},
-                          Case{"7_of_128", "sphere_plate", true, 7, 128},
-                          Case{"44_of_128", "sphere_plate", true, 44, 128},
-                          Case{"worst_case", "sphere_plate", true, 129, 128}})
+    for (const Case& c : paperCases())
         for (const bool paper : {true, false})
             benchmark::RegisterBenchmark(
                 ("adaptive_light_sampled/" + c.name + (paper ? "/paper" : "/ours")).c_str(),
                 adaptiveAgainstRegular, c, paper)
                 ->Iterations(3)
                 ->Unit(benchmark::kMillisecond);
+    for (const std::string& scene : loadSuite("standard", SceneLibrary::standard()).scenes)
+        benchmark::RegisterBenchmark(("adaptive_light_sampled/equal_rmse/" + scene).c_str(),
+                                     equalRmse, scene)
+            ->Iterations(2)
+            ->Unit(benchmark::kMillisecond);
     return 0;
 }();
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::bench

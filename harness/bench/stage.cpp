@@ -8,17 +8,20 @@ void needContext() {
 
 namespace {
 
-SceneFrame changed(SceneFrame moment, const std::function<void(AreaLight&)>& change) {
+SceneFrame changed(SceneFrame moment, const std::function<void(AreaLight&)>& change,
+                   const std::function<void(Camera&)>& changeCamera) {
     if (change) change(moment.light);
+    if (changeCamera) changeCamera(moment.camera);
     return moment;
 }
 
 }  // namespace
 
 Stage::Stage(const std::string& id, int width, int height,
-             const std::function<void(AreaLight&)>& change)
+             const std::function<void(AreaLight&)>& change,
+             const std::function<void(Camera&)>& changeCamera)
     : scene(loadScene(id, SceneLibrary::standard())),
-      moment(changed(scene->frame(0), change)),
+      moment(changed(scene->frame(0), change, changeCamera)),
       tracer(moment.geometry, scene->materials, scene->images),
       gbuffer(renderGBuffer(tracer, moment, *scene, width, height)),
       textures(uploadGBuffer(gbuffer)),

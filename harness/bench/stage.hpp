@@ -27,9 +27,10 @@ struct Stage {
     Frame frame;
     EffectSet calledFor;
 
-    /// `change` may make another light of the scene's.
+    /// `change` may make another light of the scene's, `changeCamera` another camera.
     Stage(const std::string& id, int width, int height,
-          const std::function<void(AreaLight&)>& change = {});
+          const std::function<void(AreaLight&)>& change = {},
+          const std::function<void(Camera&)>& changeCamera = {});
     Stage(const std::string& id, int pixels) : Stage(id, pixels, pixels) {}
     Stage(const Stage&) = delete;  // `frame` refers to the other members
     Stage& operator=(const Stage&) = delete;

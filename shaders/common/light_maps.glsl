@@ -15,7 +15,6 @@ layout(std140, binding = 1) uniform LightSamples { LightSample lightSamples[kMax
 uniform int firstLightSample;     // looked up are this one and those after it,
 uniform int lightSampleCount;     // so many
 uniform float lightSampleWeight;  // of all that are looked up
-uniform int decidingSamples;      // how many of the first decide where they agree; 0: none
 
 // A receiver as every point of the light sees it.
 struct Receiver {
@@ -118,38 +117,24 @@ float litFromHalfCube(vec3 position, vec3 normal, int i) {
 #endif
 }
 
-// Adds samples `begin` to `end` - 1: to `sum` weighted, to `lit` not.
-void addLit(LightPoint centre, vec3 position, vec3 normal, int begin, int end, inout float sum,
-            inout float lit) {
-    if (tileCount > 1) {
-        for (int i = begin; i < end; ++i) {
-            float v = litFromHalfCube(position, normal, i);
-            sum += lightSamples[i].offsetWeight.w * v;
-            lit += v;
-        }
-    } else {
-        Receiver receiver = receiverOf(centre, position, normal);
-        for (int i = begin; i < end; ++i) {
-            float v = litFrom(receiver, i);
-            sum += lightSamples[i].offsetWeight.w * v;
-            lit += v;
-        }
-    }
+// Hard visibility of map i.
+float litFromMap(Receiver receiver, vec3 position, vec3 normal, int i) {
+    return tileCount > 1 ? litFromHalfCube(position, normal, i) : litFrom(receiver, i);
 }
 
-// Weighted sum over all samples of the receiver's hard visibilities; where the first
-// `decidingSamples` all agree, the others are taken to agree, too.
+// Weighted sum over all samples of the receiver's hard visibilities.
 float litSum(vec3 position, vec3 normal) {
     LightPoint centre = lightPoint(position, normal);
     if (!centre.inFront) return lightSampleWeight;
-    float sum = 0.0, lit = 0.0;
-    addLit(centre, position, normal, firstLightSample, firstLightSample + decidingSamples, sum, lit);
-    if (decidingSamples > 0) {
-        if (lit == 0.0) return 0.0;
-        if (lit == float(decidingSamples)) return lightSampleWeight;
+    float sum = 0.0;
+    if (tileCount > 1) {
+        for (int i = firstLightSample; i < firstLightSample + lightSampleCount; ++i)
+            sum += lightSamples[i].offsetWeight.w * litFromHalfCube(position, normal, i);
+    } else {
+        Receiver receiver = receiverOf(centre, position, normal);
+        for (int i = firstLightSample; i < firstLightSample + lightSampleCount; ++i)
+            sum += lightSamples[i].offsetWeight.w * litFrom(receiver, i);
     }
-    addLit(centre, position, normal, firstLightSample + decidingSamples,
-           firstLightSample + lightSampleCount, sum, lit);
     return sum;
 }
 #endif

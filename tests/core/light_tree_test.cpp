@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numeric>
+#include <optional>
 #include <set>
 #include <tuple>
 
@@ -127,6 +129,49 @@ TEST(LightTree, LeafAreasOfAFullLatticeAreTrapezoids) {
         const glm::dvec2 rim = glm::abs(tree.position(i));
         EXPECT_EQ(weights[i], (rim.x == 1.0 ? 0.5 : 1.0) * (rim.y == 1.0 ? 0.5 : 1.0) / 16.0);
     }
+}
+
+TEST(LightTree, DrawnInSamplesStandAmidEqualCells) {
+    for (const int depth : {1, 2}) {
+        LightTree tree(kRectangle, depth, depth), line(kAlongU, depth, depth);
+        splitAll(tree);
+        splitAll(line);
+        const int cells = (1 << depth) + 1;
+        // Rounding of sums of at most nine terms.
+        for (const double weight : tree.weights(LightTreeWeights::leafArea))
+            EXPECT_NEAR(weight, 1.0 / (cells * cells), 1e-15);
+        for (const double weight : line.weights(LightTreeWeights::leafArea))
+            EXPECT_NEAR(weight, 1.0 / cells, 1e-15);
+        EXPECT_NEAR(tree.position(0).x, 1.0 / cells - 1.0, 1e-15);
+        EXPECT_EQ(tree.position(0).x, -tree.position(3).x);
+    }
+}
+
+TEST(LightTree, LeafAreasAreWholeMultiplesOfTheirUnit) {
+    for (const std::optional<int> rim : {std::optional<int>(), {0}, {2}, {5}})
+        for (const glm::bvec2 extent : {kRectangle, kAlongV}) {
+            LightTree tree(extent, 3, rim);
+            tree.split(0);
+            tree.addCentre(1);
+            tree.split(0);
+            tree.addCentre(0);
+            const std::vector<double> weights = tree.weights(LightTreeWeights::leafArea);
+            EXPECT_NEAR(sum(weights), 1.0, 1e-12);
+            for (const double weight : weights) {
+                const double units = weight / tree.leafAreaUnit();
+                EXPECT_NEAR(units, std::round(units), 1e-9 * units);
+                EXPECT_GE(units, 0.5);
+            }
+        }
+}
+
+TEST(LightTree, PreorderShowsTheTree) {
+    EXPECT_EQ(LightTree(kRectangle, 3).preorder(), ".");
+    EXPECT_EQ(fourteen().preorder(), "++.......");
+    LightTree line(kAlongU, 3);
+    line.split(0);
+    line.split(1);
+    EXPECT_EQ(line.preorder(), "+.+..");
 }
 
 TEST(LightTree, RemembersWhatWasSplit) {
