@@ -1,7 +1,5 @@
 #include "core/frame/slice_view.hpp"
 
-#include <tbb/blocked_range.h>
-#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -17,7 +15,18 @@ namespace {
 /// The part of a caster's triangle inside the frustum.
 struct Extent {
     double nearM, farM, areaM2;
-    double clearanceM;  ///< from its middle to the farthest receiver behind
+    double clearanceM;     ///< from its middle to the farthest receiver behind
+    double middleM = 0.0;  ///< depth of the corner between the nearest and the farthest
+
+    /// How much of a triangle's area is nearer than `zM`: its width is linear in depth on both
+    /// sides of the middle corner, so that cutting it in parts changes nothing.
+    double areaNearer(double zM) const {
+        if (zM <= nearM) return 0.0;
+        if (zM >= farM) return areaM2;
+        const double depthM = farM - nearM, before = zM - nearM, behind = farM - zM;
+        return zM < middleM ? areaM2 * before * before / ((middleM - nearM) * depthM)
+                            : areaM2 - areaM2 * behind * behind / ((farM - middleM) * depthM);
+    }
 };
 
 glm::dvec3 inLight(const SliceView& view, const glm::vec3& position) {
@@ -98,19 +107,27 @@ class Polygon {
         count_ = count;
     }
     bool empty() const { return count_ == 0; }
-    Extent extent(const FarthestReceivers& receivers) const {
-        Extent e{at(0).z, at(0).z, 0.0, 0.0};
+    /// From its middle to the farthest receiver behind; 0 without an area.
+    double clearanceM(const FarthestReceivers& receivers) const {
         glm::dvec3 middle(0.0);
         glm::dvec3 doubled(0.0);
         for (int i = 0; i < count_; ++i) {
-            e.nearM = std::min(e.nearM, at(i).z);
-            e.farM = std::max(e.farM, at(i).z);
             middle += at(i) / static_cast<double>(count_);
             doubled += glm::cross(at(i) - at(0), at((i + 1) % count_) - at(0));
         }
-        e.areaM2 = 0.5 * glm::length(doubled);
-        if (e.areaM2 > 0.0) e.clearanceM = receivers.clearanceM(middle, glm::normalize(doubled));
-        return e;
+        if (doubled == glm::dvec3(0.0)) return 0.0;
+        return receivers.clearanceM(middle, glm::normalize(doubled));
+    }
+    /// Adds the triangles that it consists of, all with its own clearance; none without an area,
+    /// for that is drawn nowhere and must not draw planes to its depth.
+    void addTo(std::vector<Extent>& extents, const FarthestReceivers& receivers) const {
+        const double clearance = clearanceM(receivers);
+        for (int i = 1; i + 1 < count_; ++i) {
+            std::array<double, 3> z = {at(0).z, at(i).z, at(i + 1).z};
+            std::ranges::sort(z);
+            const double areaM2 = 0.5 * glm::length(glm::cross(at(i) - at(0), at(i + 1) - at(0)));
+            if (areaM2 > 0.0) extents.push_back({z[0], z[2], areaM2, clearance, z[1]});
+        }
     }
 
   private:
@@ -138,10 +155,12 @@ std::vector<Extent> castersIn(const SliceView& view, const Frame& frame) {
     const Geometry& geometry = *frame.geometry;
     const std::array<glm::dvec4, 6> planes = volume(view);
     const FarthestReceivers receivers(frame, view);
-    tbb::enumerable_thread_specific<std::vector<Extent>> found;
-    const auto part = [&](const tbb::blocked_range<std::size_t>& range) {
-        std::vector<Extent>& extents = found.local();
-        for (std::size_t t = range.begin(); t < range.end(); ++t) {
+    // Blocks in order, whichever thread does them: sums over casters are the same every time.
+    constexpr std::size_t kBlock = 4096;
+    const std::size_t triangles = geometry.triangleCount();
+    std::vector<std::vector<Extent>> found((triangles + kBlock - 1) / kBlock);
+    tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t block) {
+        for (std::size_t t = block * kBlock; t < std::min(triangles, (block + 1) * kBlock); ++t) {
             const std::uint32_t* corner = &geometry.indices[3 * t];
             Polygon polygon(inLight(view, geometry.positions[corner[0]]),
                             inLight(view, geometry.positions[corner[1]]),
@@ -150,10 +169,9 @@ std::vector<Extent> castersIn(const SliceView& view, const Frame& frame) {
                 polygon.clip(plane);
                 if (polygon.empty()) break;
             }
-            if (!polygon.empty()) extents.push_back(polygon.extent(receivers));
+            if (!polygon.empty()) polygon.addTo(found[block], receivers);
         }
-    };
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, geometry.triangleCount(), 4096), part);
+    });
     std::vector<Extent> all;
     for (const std::vector<Extent>& extents : found)
         all.insert(all.end(), extents.begin(), extents.end());
@@ -232,8 +250,13 @@ void placeAtQuantiles(std::vector<double>& boundaries, std::vector<Extent> caste
             return std::min(static_cast<std::size_t>(std::max(zM - nearM, 0.0) / binM), kBins - 1);
         };
         const std::size_t first = bin(e.nearM), last = bin(e.farM);
-        for (std::size_t b = first; b <= last; ++b)
-            area[b] += e.areaM2 / static_cast<double>(last - first + 1);
+        double before = 0.0;
+        for (std::size_t b = first; b <= last; ++b) {
+            const double reachedM2 =
+                b == last ? e.areaM2 : e.areaNearer(nearM + binM * static_cast<double>(b + 1));
+            area[b] += reachedM2 - before;
+            before = reachedM2;
+        }
         whole += e.areaM2;
     }
     if (whole == 0.0) return;

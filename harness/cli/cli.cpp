@@ -68,6 +68,7 @@ int runCommandLine(int argc, char** argv) {
     addDiffCommand(app, action);
     addScoreCommand(app, action, quoted(argc, argv));
     addExportCommand(app, action);
+    addStressCommand(app, action);
     try {
         requireSubcommand(app, argc, argv);
         app.parse(argc, argv);

@@ -19,5 +19,6 @@ void addMergeCommand(CLI::App& app, Action& action);
 void addDiffCommand(CLI::App& app, Action& action);
 void addExportCommand(CLI::App& app, Action& action);
 void addScoreCommand(CLI::App& app, Action& action, const std::string& commandLine);
+void addStressCommand(CLI::App& app, Action& action);
 
 }  // namespace penumbra

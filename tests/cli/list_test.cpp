@@ -111,7 +111,8 @@ TEST(List, ByTheProgram) {
 TEST(Help, IsNoError) {
     EXPECT_EQ(test::penumbra({"--help"}).exitCode, 0);
     std::vector<Texts> commands = {{"--help"}, {"-h"}};
-    for (const char* command : {"compare", "list", "report", "merge", "diff", "score", "export"})
+    for (const char* command :
+         {"compare", "list", "report", "merge", "diff", "score", "export", "stress"})
         commands.push_back({command, "--help"});
     for (const Texts& command : commands) {
         const test::Finished done = test::penumbraInProcess(command);
