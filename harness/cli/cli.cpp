@@ -69,6 +69,7 @@ int runCommandLine(int argc, char** argv) {
     addScoreCommand(app, action, quoted(argc, argv));
     addExportCommand(app, action);
     addStressCommand(app, action);
+    addReproduceCommand(app, action, quoted(argc, argv));
     try {
         requireSubcommand(app, argc, argv);
         app.parse(argc, argv);

@@ -18,6 +18,7 @@ void addReportCommand(CLI::App& app, Action& action);
 void addMergeCommand(CLI::App& app, Action& action);
 void addDiffCommand(CLI::App& app, Action& action);
 void addExportCommand(CLI::App& app, Action& action);
+void addReproduceCommand(CLI::App& app, Action& action, const std::string& commandLine);
 void addScoreCommand(CLI::App& app, Action& action, const std::string& commandLine);
 void addStressCommand(CLI::App& app, Action& action);
 

@@ -4,6 +4,7 @@
 #include "harness/cli/commands.hpp"
 #include "harness/cli/truth_options.hpp"
 #include "harness/run/compare.hpp"
+#include "harness/study/scaling.hpp"
 
 namespace penumbra {
 namespace {
@@ -14,6 +15,7 @@ struct Entered {
     std::optional<std::string> size;
     std::optional<int> repeats;
     std::string shard = "1/1", effects = "auto", context = "osmesa";
+    std::string scaling;
 };
 
 int run(Entered entered) {
@@ -25,7 +27,7 @@ int run(Entered entered) {
     o.effects = EffectChoice::parse(entered.effects);
     o.context = gl::parseContextKind(entered.context);
     o.repeats = entered.repeats.value_or(o.paired.empty() ? 5 : 25);
-    return compare(o);
+    return entered.scaling.empty() ? compare(o) : scaling(o, parseScalingAxis(entered.scaling));
 }
 
 }  // namespace
@@ -60,7 +62,13 @@ void addCompareCommand(CLI::App& app, Action& action, const std::string& command
     command->add_option("--context", entered->context, "osmesa | egl | glfw | auto");
     command->add_option("--out", o.out, "run folder (default: results/<time>)");
     command->add_flag("--resume", o.resume, "do what is missing in --out");
-    command->add_option("--shard", entered->shard, "I/N: only the I-th of N parts of the cells");
+    auto* shard = command->add_option("--shard", entered->shard,
+                                      "I/N: only the I-th of N parts of the cells");
+    command
+        ->add_option("--scaling", entered->scaling,
+                     "triangles | pixels | map_size | light_size | slices: only time the methods "
+                     "over a series of it and fit the exponent")
+        ->excludes(shard);
     command->callback([entered, &action] { action = [entered] { return run(*entered); }; });
 }
 

@@ -1,7 +1,6 @@
 #include "harness/exchange/export.hpp"
 
 #include <fmt/format.h>
-#include <tbb/global_control.h>
 
 #include <algorithm>
 
@@ -9,6 +8,7 @@
 #include "harness/exchange/frame_json.hpp"
 #include "harness/run/files.hpp"
 #include "harness/run/run_folder.hpp"
+#include "harness/run/thread_limit.hpp"
 
 namespace penumbra {
 namespace {
@@ -32,8 +32,7 @@ std::vector<std::filesystem::path> exportFrame(const ExportOptions& options,
                                                const std::function<void(std::string)>& note,
                                                const Progress& progress) {
     const TruthOptions& truth = options.truth;
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
-                                    static_cast<std::size_t>(truth.threadCount()));
+    const ThreadLimit limit(truth.threadCount());
     const auto scene = loadForFrame(options.scene, options.frame, truth);
     for (const std::string& choice : scene->chosen) note(fmt::format("{}: {}", scene->id, choice));
     const TracedFrame traced = traceFrame(scene, options.frame, truth.width, truth.height);

@@ -1,7 +1,6 @@
 #include "harness/exchange/score.hpp"
 
 #include <fmt/format.h>
-#include <tbb/global_control.h>
 
 #include <limits>
 
@@ -10,6 +9,7 @@
 #include "harness/exchange/outside_image.hpp"
 #include "harness/exchange/run_entry.hpp"
 #include "harness/run/provenance.hpp"
+#include "harness/run/thread_limit.hpp"
 
 namespace penumbra {
 namespace {
@@ -53,8 +53,7 @@ void requireAligned(const std::optional<std::string>& displacement) {
 Row scoreImage(const ScoreOptions& options, const std::function<void(std::string)>& note,
                const Progress& progress) {
     TruthOptions truth = options.truth;
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
-                                    static_cast<std::size_t>(truth.threadCount()));
+    const ThreadLimit limit(truth.threadCount());
     const auto scene = loadForFrame(options.scene, options.frame, truth);
     OutsideImage image = read(options);
     if (!options.sizeGiven) {

@@ -1,7 +1,6 @@
 #include "harness/run/compare.hpp"
 
 #include <fmt/format.h>
-#include <tbb/global_control.h>
 #include <tbb/parallel_for_each.h>
 
 #include <chrono>
@@ -23,6 +22,7 @@
 #include "harness/run/run_record.hpp"
 #include "harness/run/separation.hpp"
 #include "harness/run/suite.hpp"
+#include "harness/run/thread_limit.hpp"
 #include "harness/study/paired_report.hpp"
 
 namespace penumbra {
@@ -418,9 +418,7 @@ Reference Run::referenceFor(const Scene& scene, const Frame& frame) {
 
 int compare(const CompareOptions& options) {
     const int threads = options.threadCount();
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
-                                    static_cast<std::size_t>(threads));
-    setenv("LP_NUM_THREADS", std::to_string(threads).c_str(), 1);  // read by llvmpipe
+    const ThreadLimit limit(threads);
 
     if (options.resume && options.out.empty())
         throw InputError("--resume: name the run folder to continue with --out");

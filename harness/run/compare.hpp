@@ -19,7 +19,7 @@ struct CompareOptions : TruthOptions {
     /// Two settings as parseSetting reads them, to be timed in pairs; empty: those of `settings`.
     std::vector<std::string> paired;
     EffectChoice effects;
-    int repeats = 5;  ///< pairs, where `paired` is given
+    int repeats = 5;                   ///< pairs, where `paired` is given
     std::string curveMetric = "rmse";  ///< on the error axis of curves
     gl::ContextKind context = gl::ContextKind::osmesa;
     std::filesystem::path out;  ///< empty: results/<time>

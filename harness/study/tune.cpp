@@ -1,17 +1,16 @@
 #include "harness/study/tune.hpp"
 
 #include <fmt/format.h>
-#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 
 #include "core/error.hpp"
 #include "harness/run/csv.hpp"
 #include "harness/run/files.hpp"
 #include "harness/run/progress.hpp"
 #include "harness/run/provenance.hpp"
+#include "harness/run/thread_limit.hpp"
 #include "harness/study/tuning_stage.hpp"
 
 namespace penumbra {
@@ -117,9 +116,7 @@ int tune(const TuneOptions& o) {
         throw InputError(fmt::format("--out {}: holds a tune.csv already", o.out.string()));
 
     const int threads = o.threadCount();
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
-                                    static_cast<std::size_t>(threads));
-    setenv("LP_NUM_THREADS", std::to_string(threads).c_str(), 1);  // read by llvmpipe
+    const ThreadLimit limit(threads);
     const auto context = gl::Context::create(o.context);
     const Provenance here = gatherProvenance(*context, threads);
     const std::string machine = here.renderer + "\n" + here.glVersion + "\n" + here.cpu;
