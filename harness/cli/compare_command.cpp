@@ -55,7 +55,8 @@ void addCompareCommand(CLI::App& app, Action& action, const std::string& command
     addTruthOptions(*command, o, entered->size, "image size WxH (default: 512x512)");
     command
         ->add_option("--repeats", entered->repeats,
-                     "timed repeats of every cell (default: 5), or pairs (default: 25)")
+                     "rounds in which every cell is timed (default: 5; one that was timed three "
+                     "times and took 2 s in that leaves the further ones), or pairs (default: 25)")
         ->check(CLI::Range(1, 10000));
     command->add_option("--curve-metric", o.curveMetric,
                         "error on curves and in cost tables (default: rmse; see list metrics)");

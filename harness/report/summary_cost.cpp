@@ -175,7 +175,8 @@ std::string costMarkdown(const std::vector<CostStudy>& studies, const std::strin
            "Curves: curve/, points: pareto.csv. In a scene " +
            error +
            " is the mean over its frames, over all scenes the root mean square over all frames; ms "
-           "is the mean frame time. On the front is what is surely faster (intervals apart) than "
+           "is the mean frame time. On the front is what is surely faster (beyond the noise of the "
+           "difference) than "
            "everything more accurate.\n\n" +
            uncovered(*order.front()) + fronts(order, error, parameters) + reaching(order, error) +
            within(order, error);

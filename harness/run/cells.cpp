@@ -71,6 +71,10 @@ void runCells(const Frame& frame, const CellOptions& options, const std::vector<
         std::size_t index;  ///< in `runs`
         Row row;
         std::vector<double> build, shade, total;
+        double spentMs = 0.0;  ///< on timed frames
+        bool measured(const CellOptions& options) const {
+            return total.size() >= kFewestRepeats && spentMs >= options.enoughMs;
+        }
     };
     const auto guarded = [&](Cell& cell, const auto& work) {
         try {
@@ -92,7 +96,7 @@ void runCells(const Frame& frame, const CellOptions& options, const std::vector<
     std::vector<Cell> cells;
     for (std::size_t r = 0; r < runs.size(); ++r) {
         SettingRun* const run = runs[r];
-        Cell cell{run, r, {}, {}, {}, {}};
+        Cell cell{.run = run, .index = r, .row = {}, .build = {}, .shade = {}, .total = {}};
         cell.row.scene = frame.scene.id;
         cell.row.frame = frame.index;
         cell.row.method = run->setting().method;
@@ -121,12 +125,13 @@ void runCells(const Frame& frame, const CellOptions& options, const std::vector<
         std::ranges::sort(order);
         for (const auto& [key, i] : order) {
             Cell& cell = cells[i];
-            if (!cell.run) continue;
+            if (!cell.run || cell.measured(options)) continue;
             if (!guarded(cell, [&] {
                     const SettingRun::Sample s = cell.run->timed(frame, target);
                     cell.build.push_back(s.buildMs);
                     cell.shade.push_back(s.shadeMs);
                     cell.total.push_back(s.buildMs + s.shadeMs);
+                    cell.spentMs += cell.total.back();
                     if (options.sampled) options.sampled(cell.index, s);
                 }))
                 cell.run = nullptr;

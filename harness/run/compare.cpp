@@ -341,8 +341,9 @@ void Run::runFrame(const Scene& scene, const Frame& frame, bool keepMaps, const 
     });
     const SceneFrame sceneFrame{0.0, frame.geometry, frame.light, frame.camera};
     const TextureTarget target(frame.width(), frame.height());
-    const CellOptions cellOptions{options_.effects, effectsCalledFor(scene, sceneFrame), keepMaps,
-                                  options_.repeats};
+    CellOptions cellOptions{options_.effects, effectsCalledFor(scene, sceneFrame), keepMaps,
+                            options_.repeats};
+    if (options_.paired.empty()) cellOptions.enoughMs = kEnoughMs;  // a pair has two halves
     Finished finished;
     clock_.measure("methods", [&] {
         if (!options_.paired.empty()) {

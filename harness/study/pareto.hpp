@@ -23,10 +23,19 @@ namespace penumbra {
 /// not rendered here have no time and are left out.
 ///
 /// **The front** holds a setting if every setting with less error is surely slower, and no setting
-/// with the same error is surely faster. Surely: the intervals do not touch. So an advantage in
-/// time that noise could explain never puts a setting on the front; equal settings are both on it
-/// or both off. The price is that of three settings whose intervals form a chain only the most
-/// accurate is left.
+/// with the same error is surely faster. Surely: 0 is outside the interval of the difference of
+/// their times. That interval follows from the two of every frame (Zou & Donner 2008): distances of
+/// the values from the ends of their intervals, added in squares, because noise of two settings and
+/// of two frames is independent as far as it matters: drift that hits all alike cancels in the
+/// difference. Asking that the two intervals do not touch adds distances themselves: over a suite
+/// of ten frames with 30 % noise the front of ten settings, each 1.3 times as costly as the one
+/// before, then had one left, here nine.
+///
+/// So an advantage in time that noise could explain never puts a setting on the front; equal
+/// settings are both on it or both off. The price remains that of three settings of which each
+/// could be as fast as the next only the most accurate is left: where noise is larger than the
+/// distance between settings a front is not to be known. Letting those that are off keep nobody off
+/// would fill it, with settings that a more accurate one beats: 12 % of such instead of 1 %.
 ///
 /// **Coverage.** A frame belongs to the study if any setting has an error and a time in it. A
 /// setting that lacks some (failed, unsupported) is measured over those that it has, and competes

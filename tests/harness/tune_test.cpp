@@ -94,6 +94,44 @@ TEST(TuneSearch, WithNoiseItIsStillNoWorseThanTheLadder) {
     }
 }
 
+/// A search in which the machine is so busy that `factor` times of what a setting takes is measured
+/// in the first `batches` final measurements.
+TuneResult searchDisturbed(double maxMs, int batches, double factor, std::uint32_t seed) {
+    World world;
+    return searchSettings({"pcf"}, {{}, maxMs}, 4.0, seed, false,
+                          [&](bool full, const std::vector<Setting>& settings, int repeats) {
+                              std::vector<Row> rows = world(full, settings, repeats);
+                              if (!full || repeats != 9 || batches-- <= 0) return rows;
+                              for (Row& row : rows)
+                                  for (auto* ms : {&row.frameMs, &row.frameMsLow, &row.frameMsHigh})
+                                      **ms *= factor;
+                              return rows;
+                          });
+}
+
+TEST(TuneSearch, WhereAllFinalistsAreDisturbedThoseThatLeaveMoreRoomFollow) {
+    constexpr double kMaxMs = 6.0;
+    for (const std::uint32_t seed : {0u, 1u, 2u}) {
+        // Ten times what the fastest takes, 1 ms at least, is too much for each finalist.
+        const TuneResult once = searchDisturbed(kMaxMs, 1, 10.0, seed),
+                         twice = searchDisturbed(kMaxMs, 2, 10.0, seed);
+        ASSERT_TRUE(once.best) << seed;
+        ASSERT_TRUE(twice.best) << seed;
+        // The world's small image estimates the full one exactly.
+        EXPECT_LE(*once.best->frameMs, 0.7 * kMaxMs) << seed;
+        EXPECT_LE(*twice.best->frameMs, 0.4 * kMaxMs) << seed;
+        EXPECT_GT(*once.best->frameMs, 0.4 * kMaxMs) << seed << ": gives up no more than it must";
+        EXPECT_LE(*once.best->metrics.rmse, *twice.best->metrics.rmse) << seed;
+    }
+}
+
+TEST(TuneSearch, AMachineThatStaysBusyLeavesTheNearest) {
+    const TuneResult r = searchDisturbed(6.0, 99, 10.0, 0);
+    EXPECT_FALSE(r.best);
+    ASSERT_TRUE(r.nearest);
+    EXPECT_EQ(r.nearest->width, 128) << "of the full image";
+}
+
 TEST(TuneSearch, TheSameSeedAndTimesGiveTheSameTrials) {
     const auto names = [](const TuneResult& r) {
         std::vector<std::string> all;

@@ -2,7 +2,9 @@
 
 #include <glad/gl.h>
 
+#include <chrono>
 #include <stdexcept>
+#include <thread>
 #include <vector>
 
 #include "core/error.hpp"
@@ -90,6 +92,19 @@ class Flaky : public Constant {
     }
 };
 
+/// Takes `first` for the warm-up's frame and `further` for each of the others.
+class Slow : public Constant {
+  public:
+    static inline std::chrono::milliseconds first{0}, further{0};
+    void shade(const Frame& frame, const Plan& plan, const VisibilityTarget& target) override {
+        std::this_thread::sleep_for(shaded_++ == 0 ? first : further);
+        Constant::shade(frame, plan, target);
+    }
+
+  private:
+    int shaded_ = 0;
+};
+
 inline const Register<Constant> kConstant{"fake_constant", "One half", "tests"};
 inline const Register<ThrowsInBuild> kThrowsInBuild{"fake_throws_in_build", "Throws", "tests"};
 inline const Register<ThrowsInPrepare> kThrowsInPrepare{"fake_throws_in_prepare", "Throws",
@@ -100,5 +115,6 @@ inline const Register<WritesNothing> kWritesNothing{"fake_writes_nothing", "Noth
 inline const Register<FailsWhenTimed> kFailsWhenTimed{"fake_fails_when_timed", "Throws later",
                                                       "tests"};
 inline const Register<Flaky> kFlaky{"fake_flaky", "Throws now and then", "tests"};
+inline const Register<Slow> kSlow{"fake_slow", "Takes its time", "tests"};
 
 }  // namespace penumbra::test
