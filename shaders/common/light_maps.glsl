@@ -1,6 +1,6 @@
 // Lookups in maps from several points of the light (core/passes/light_maps.hpp). Their image planes
 // are parallel, so a receiver's z, its s and its plane's slope but for one factor are the same in all
-// of them: a map costs one division and one fetch. LIGHT_MAPS_PCF: four comparisons, weighted as the
+// of them: a map costs one fetch and no division. LIGHT_MAPS_PCF: four comparisons, weighted as the
 // receiver lies between their texels. LIGHT_MAPS_KERNEL n: n x n of them, 3 or 5, which a box of n - 1
 // texels around the receiver covers.
 #include "common/light_view.glsl"
@@ -20,16 +20,17 @@ uniform float lightSampleWeight;  // of all that are looked up
 struct Receiver {
     vec2 texel;       // its place in the map of the light's centre, texels
     float inverseZ;   // 1 / metres
-    float s;          // near / z
-    float biasScale;  // LightPoint's
-    vec2 slope;       // n.xy in tangents per texel: s rises by near * slope / k per texel ...
+    float level;      // s = near / z, scaled against bias: casters above it block
+    vec2 slope;       // n.xy in tangents per texel ...
+    vec2 levelSlope;  // ... and scaled so that the level rises by levelSlope / k per texel ...
     float k;          // ... with k = n.l, seen from the centre; negative where the plane faces it
 };
 
 Receiver receiverOf(LightPoint point, vec3 position, vec3 normal) {
     vec3 n = tileAxes[0] * normal;
-    return Receiver(point.uv * float(mapSize), 1.0 / point.zM, point.s, point.biasScale,
-                    n.xy / (tileTangents[0].zw * float(mapSize)),
+    vec2 slope = n.xy / (tileTangents[0].zw * float(mapSize));
+    return Receiver(point.uv * float(mapSize), 1.0 / point.zM, point.s * point.biasScale, slope,
+                    tileNear[0] * point.biasScale * slope,
                     dot(n, tileAxes[0] * (position - lightCentre)));
 }
 
@@ -53,18 +54,19 @@ const float kBoxArea = float((LIGHT_MAPS_KERNEL - 1) * (LIGHT_MAPS_KERNEL - 1));
 #endif
 
 // litAt of common/light_view.glsl in map i, the plane followed to every texel asked; 0 where the
-// map's point of the light is below the receiver's horizon, whose own surface is in the way.
+// map's point of the light is below the receiver's horizon, whose own surface is in the way. A caster
+// is at most at the level where caster - level <= max(rise / k, 0); times k, which is negative where
+// it counts, that needs no division.
 float litFrom(Receiver r, int i) {
     vec2 place = placeIn(r, i);
     float k = r.k + dot(r.slope, lightSamples[i].shift.zw);
-    float steepness = tileNear[0] / k;
 #ifdef LIGHT_MAPS_PCF
     vec2 first = floor(place - 0.5), weight = weightsBetween(place - 0.5 - first);
     vec4 caster = textureGather(shadowMap, vec3((first + 1.0) / float(mapSize), i));
-    vec2 rises = steepness * r.slope;
+    vec2 rises = r.levelSlope;
     float riseToFirst = dot(rises, first + 0.5 - place);
     vec4 rise = riseToFirst + vec4(rises.y, rises.x + rises.y, rises.x, 0.0);
-    vec4 lit = vec4(lessThanEqual(caster, (r.s + max(rise, 0.0)) * r.biasScale));
+    vec4 lit = vec4(greaterThanEqual((caster - r.level) * k, min(rise, 0.0)));
     vec2 rows = mix(lit.wx, lit.zy, weight.x);
     float v = mix(rows.x, rows.y, weight.y);
 #elif defined(LIGHT_MAPS_KERNEL)
@@ -74,18 +76,18 @@ float litFrom(Receiver r, int i) {
     for (int y = 0; y < LIGHT_MAPS_KERNEL; ++y)
         for (int x = 0; x < LIGHT_MAPS_KERNEL; ++x) {
             vec2 texel = first + vec2(x, y);
-            float rise = steepness * dot(r.slope, texel + 0.5 - place);
+            float rise = dot(r.levelSlope, texel + 0.5 - place);
             ivec2 inside = clamp(ivec2(texel), ivec2(0), ivec2(mapSize - 1));
             float caster = texelFetch(shadowMap, ivec3(inside, i), 0).r;
-            if (caster <= (r.s + max(rise, 0.0)) * r.biasScale)
+            if ((caster - r.level) * k >= min(rise, 0.0))
                 v += coverage(x, weight.x) * coverage(y, weight.y);
         }
     v /= kBoxArea;
 #else
     vec2 texel = floor(place);
-    float rise = steepness * dot(r.slope, texel + 0.5 - place);
+    float rise = dot(r.levelSlope, texel + 0.5 - place);
     float caster = texelFetch(shadowMap, ivec3(texel, i), 0).r;
-    float v = caster <= (r.s + max(rise, 0.0)) * r.biasScale ? 1.0 : 0.0;
+    float v = (caster - r.level) * k >= min(rise, 0.0) ? 1.0 : 0.0;
 #endif
     return k < 0.0 ? v : 0.0;
 }
