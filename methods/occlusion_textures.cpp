@@ -16,7 +16,8 @@
 // what is in the receiver's own slice does not shadow it, so that contact shadows fade out within
 // one slice's thickness; contact=hard_map compares with a shadow map there, and counts the slice
 // that fades in in full where that map sees another surface in it than the receiver's own. Wires
-// thinner than a texel come and go. Slices are parallel to the light however it is tilted; all
+// thinner than a texel come and go, and a sheet edge-on to the centre of projection has no shadow
+// at all (cop_distance moves it). Slices are parallel to the light however it is tilted; all
 // receivers must fit one frustum from behind it, and where they do not the method is unsupported.
 
 #include <algorithm>

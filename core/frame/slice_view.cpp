@@ -5,29 +5,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <span>
 
 #include "core/error.hpp"
+#include "core/frame/clipped_triangle.hpp"
 #include "core/frame/light_view.hpp"
 
 namespace penumbra {
 namespace {
-
-/// The part of a caster's triangle inside the frustum.
-struct Extent {
-    double nearM, farM, areaM2;
-    double clearanceM;     ///< from its middle to the farthest receiver behind
-    double middleM = 0.0;  ///< depth of the corner between the nearest and the farthest
-
-    /// How much of a triangle's area is nearer than `zM`: its width is linear in depth on both
-    /// sides of the middle corner, so that cutting it in parts changes nothing.
-    double areaNearer(double zM) const {
-        if (zM <= nearM) return 0.0;
-        if (zM >= farM) return areaM2;
-        const double depthM = farM - nearM, before = zM - nearM, behind = farM - zM;
-        return zM < middleM ? areaM2 * before * before / ((middleM - nearM) * depthM)
-                            : areaM2 - areaM2 * behind * behind / ((farM - middleM) * depthM);
-    }
-};
 
 glm::dvec3 inLight(const SliceView& view, const glm::vec3& position) {
     const glm::dvec3 p = glm::dvec3(position) - view.centre;
@@ -55,86 +41,114 @@ class FarthestReceivers {
         forEachReceiver(frame, view, stride, [&](const glm::dvec3& p) {
             glm::dvec3& farthest = receivers_[index(cell(p))];
             if (p.z > farthest.z) farthest = p;
+            if (p.z > farthest_.z) farthest_ = p;
         });
     }
-    /// By how much the farthest receiver around a plane's point `p` is below both the point and the
-    /// plane: what lies in one plane with its caster, as a slanting floor does, is not in its
-    /// shadow.
-    double clearanceM(const glm::dvec3& p, const glm::dvec3& normal) const {
-        double most = 0.0;
-        const glm::ivec2 c = cell(p);
-        for (int y = std::max(c.y - 1, 0); y <= std::min(c.y + 1, kSide - 1); ++y)
-            for (int x = std::max(c.x - 1, 0); x <= std::min(c.x + 1, kSide - 1); ++x) {
-                const glm::dvec3 from = receivers_[index({x, y})] - p;
-                const double belowPlane = std::abs(glm::dot(normal, from));
-                most = std::max(
-                    most, std::min(from.z, belowPlane / std::max(std::abs(normal.z), 0x1p-20)));
-            }
-        return most;
+
+    /// Adds the parts of a polygon that are at least `leastM` clear: the farthest receiver in the
+    /// nine cells around a point (of all cells, if those have none) is that far below both the
+    /// point and the polygon's plane, for what lies in one plane with its caster, as a slanting
+    /// floor does, is not in its shadow. Asked of every point, so that cutting a polygon changes
+    /// nothing.
+    void addClear(const ClippedTriangle& polygon, double leastM,
+                  std::vector<DepthExtent>& extents) const {
+        glm::dvec3 doubled(0.0);
+        const std::span<const glm::dvec3> points = polygon.points();
+        for (std::size_t i = 2; i < points.size(); ++i)
+            doubled += glm::cross(points[i - 1] - points[0], points[i] - points[0]);
+        if (doubled == glm::dvec3(0.0)) return;
+        const glm::dvec3 normal = glm::normalize(doubled);
+        const Asked asked{normal, glm::dot(normal, points[0]),
+                          leastM * std::max(std::abs(normal.z), 0x1p-20), leastM};
+        glm::ivec2 first(kSide - 1), last(0);
+        for (const glm::dvec3& p : points) {
+            first = glm::min(first, cell(p));
+            last = glm::max(last, cell(p));
+        }
+        addClear(polygon, asked, first, last, extents);
     }
 
   private:
     static constexpr int kSide = 48;
+    // The frustum, two axes halved six times each, and what is clear in a cell.
+    static_assert(6 + 2 * 6 + 1 <= ClippedTriangle::kMostPlanes && kSide <= 1 << 6);
+    struct Asked {
+        glm::dvec3 normal;
+        double along;   ///< dot(normal, p) of the plane's points
+        double belowM;  ///< distance of a receiver from the plane
+        double clearM;  ///< and its depth below a point
+    };
     static std::size_t index(glm::ivec2 c) { return static_cast<std::size_t>(c.y * kSide + c.x); }
     glm::ivec2 cell(const glm::dvec3& p) const {
         const glm::dvec2 uv = glm::dvec2(p) * view_.shrink(p.z) * view_.scale + view_.offset;
         return glm::clamp(glm::ivec2(uv * static_cast<double>(kSide)), 0, kSide - 1);
     }
+    /// What is nearer than this is clear in a cell.
+    double clearDepthM(const Asked& asked, glm::ivec2 c) const {
+        double deepest = 0.0;
+        bool any = false;
+        const auto ask = [&](const glm::dvec3& receiver) {
+            any = any || receiver.z > 0.0;
+            if (std::abs(glm::dot(asked.normal, receiver) - asked.along) >= asked.belowM)
+                deepest = std::max(deepest, receiver.z);
+        };
+        for (int y = std::max(c.y - 1, 0); y <= std::min(c.y + 1, kSide - 1); ++y)
+            for (int x = std::max(c.x - 1, 0); x <= std::min(c.x + 1, kSide - 1); ++x)
+                ask(receivers_[index({x, y})]);
+        if (!any) ask(farthest_);
+        return deepest - asked.clearM;
+    }
+    /// The plane uv[axis] = line / kSide; positive beyond.
+    glm::dvec4 between(int axis, int line) const {
+        const double uv = static_cast<double>(line) / kSide - view_.offset[axis];
+        glm::dvec4 plane(0.0);
+        plane[axis] = view_.scale[axis];
+        if (view_.orthographic)
+            plane.w = -uv;
+        else {
+            plane.z = -uv;
+            plane.w = -uv * view_.copM;
+        }
+        return plane;
+    }
+    /// Halves the cells that the polygon lies in until all of it is clear, none, or they are one.
+    void addClear(const ClippedTriangle& polygon, const Asked& asked, glm::ivec2 first,
+                  glm::ivec2 last, std::vector<DepthExtent>& extents) const {
+        const double nearM = polygon.nearM(), farM = polygon.farM();
+        double least = std::numeric_limits<double>::infinity(), most = -least;
+        const auto mixed = [&] { return nearM <= most && farM > least; };
+        for (int y = first.y; y <= last.y && !mixed(); ++y)
+            for (int x = first.x; x <= last.x && !mixed(); ++x) {
+                const double depthM = clearDepthM(asked, {x, y});
+                least = std::min(least, depthM);
+                most = std::max(most, depthM);
+            }
+        if (nearM > most) return;
+        if (!mixed()) {
+            polygon.addTo(extents);
+            return;
+        }
+        ClippedTriangle part = polygon;
+        if (first == last) {
+            part.clip({0, 0, -1, least});
+            if (!part.empty()) part.addTo(extents);
+            return;
+        }
+        const int axis = last.x - first.x >= last.y - first.y ? 0 : 1;
+        const int middle = (first[axis] + last[axis] + 1) / 2;
+        glm::ivec2 before = last, from = first;
+        before[axis] = middle - 1;
+        from[axis] = middle;
+        ClippedTriangle beyond = polygon;
+        part.clip(-between(axis, middle));
+        beyond.clip(between(axis, middle));
+        if (!part.empty()) addClear(part, asked, first, before, extents);
+        if (!beyond.empty()) addClear(beyond, asked, from, last, extents);
+    }
+
     const SliceView& view_;
     std::vector<glm::dvec3> receivers_;
-};
-
-/// A triangle clipped to a convex volume by Sutherland and Hodgman.
-class Polygon {
-  public:
-    Polygon(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) : points_{a, b, c} {}
-
-    /// Keeps the part with dot(plane, (p, 1)) >= 0.
-    void clip(const glm::dvec4& plane) {
-        std::array<glm::dvec3, kMost> kept;
-        int count = 0;
-        const auto height = [&](const glm::dvec3& p) {
-            return glm::dot(glm::dvec3(plane), p) + plane.w;
-        };
-        for (int i = 0; i < count_; ++i) {
-            const glm::dvec3 &from = at(i), &to = at((i + 1) % count_);
-            const double h0 = height(from), h1 = height(to);
-            if (h0 >= 0.0) kept[static_cast<std::size_t>(count++)] = from;
-            if ((h0 > 0.0 && h1 < 0.0) || (h0 < 0.0 && h1 > 0.0))
-                kept[static_cast<std::size_t>(count++)] = from + h0 / (h0 - h1) * (to - from);
-        }
-        points_ = kept;
-        count_ = count;
-    }
-    bool empty() const { return count_ == 0; }
-    /// From its middle to the farthest receiver behind; 0 without an area.
-    double clearanceM(const FarthestReceivers& receivers) const {
-        glm::dvec3 middle(0.0);
-        glm::dvec3 doubled(0.0);
-        for (int i = 0; i < count_; ++i) {
-            middle += at(i) / static_cast<double>(count_);
-            doubled += glm::cross(at(i) - at(0), at((i + 1) % count_) - at(0));
-        }
-        if (doubled == glm::dvec3(0.0)) return 0.0;
-        return receivers.clearanceM(middle, glm::normalize(doubled));
-    }
-    /// Adds the triangles that it consists of, all with its own clearance; none without an area,
-    /// for that is drawn nowhere and must not draw planes to its depth.
-    void addTo(std::vector<Extent>& extents, const FarthestReceivers& receivers) const {
-        const double clearance = clearanceM(receivers);
-        for (int i = 1; i + 1 < count_; ++i) {
-            std::array<double, 3> z = {at(0).z, at(i).z, at(i + 1).z};
-            std::ranges::sort(z);
-            const double areaM2 = 0.5 * glm::length(glm::cross(at(i) - at(0), at(i + 1) - at(0)));
-            if (areaM2 > 0.0) extents.push_back({z[0], z[2], areaM2, clearance, z[1]});
-        }
-    }
-
-  private:
-    static constexpr std::size_t kMost = 9;  // three corners and one more for each of six planes
-    const glm::dvec3& at(int i) const { return points_[static_cast<std::size_t>(i)]; }
-    std::array<glm::dvec3, kMost> points_;
-    int count_ = 3;
+    glm::dvec3 farthest_{0.0};  ///< of all: near the light, what is beside them shadows them, too
 };
 
 /// Sides of the frustum, the light's plane and that of the farthest receiver, inwards.
@@ -151,29 +165,30 @@ std::array<glm::dvec4, 6> volume(const SliceView& view) {
              {0, 0, -1, view.farM}}};
 }
 
-std::vector<Extent> castersIn(const SliceView& view, const Frame& frame) {
+/// The parts of casters' triangles inside the frustum, of each what `add` puts into the list.
+template <class Add>
+std::vector<DepthExtent> castersIn(const SliceView& view, const Frame& frame, const Add& add) {
     const Geometry& geometry = *frame.geometry;
     const std::array<glm::dvec4, 6> planes = volume(view);
-    const FarthestReceivers receivers(frame, view);
     // Blocks in order, whichever thread does them: sums over casters are the same every time.
     constexpr std::size_t kBlock = 4096;
     const std::size_t triangles = geometry.triangleCount();
-    std::vector<std::vector<Extent>> found((triangles + kBlock - 1) / kBlock);
+    std::vector<std::vector<DepthExtent>> found((triangles + kBlock - 1) / kBlock);
     tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t block) {
         for (std::size_t t = block * kBlock; t < std::min(triangles, (block + 1) * kBlock); ++t) {
             const std::uint32_t* corner = &geometry.indices[3 * t];
-            Polygon polygon(inLight(view, geometry.positions[corner[0]]),
-                            inLight(view, geometry.positions[corner[1]]),
-                            inLight(view, geometry.positions[corner[2]]));
+            ClippedTriangle polygon(inLight(view, geometry.positions[corner[0]]),
+                                    inLight(view, geometry.positions[corner[1]]),
+                                    inLight(view, geometry.positions[corner[2]]));
             for (const glm::dvec4& plane : planes) {
                 polygon.clip(plane);
                 if (polygon.empty()) break;
             }
-            if (!polygon.empty()) polygon.addTo(found[block], receivers);
+            if (!polygon.empty()) add(polygon, found[block]);
         }
     });
-    std::vector<Extent> all;
-    for (const std::vector<Extent>& extents : found)
+    std::vector<DepthExtent> all;
+    for (const std::vector<DepthExtent>& extents : found)
         all.insert(all.end(), extents.begin(), extents.end());
     return all;
 }
@@ -233,19 +248,16 @@ void fitFrustum(SliceView& view, const Frame& frame, const SliceSettings& settin
 }
 
 /// Depths at which the casters' area has reached k parts of all, evened out: a quarter of what
-/// counts is the depth itself, so that no slice is thicker than four even ones. Casters nearer to
-/// the receivers behind them than half an even slice (floors, above all) are left out, for slices
-/// cannot tell the two apart.
-void placeAtQuantiles(std::vector<double>& boundaries, std::vector<Extent> casters, double farM) {
-    const double least = 0.5 * (farM - boundaries[0]) / static_cast<double>(boundaries.size());
-    std::erase_if(casters, [&](const Extent& e) { return e.clearanceM < least; });
+/// counts is the depth itself, so that no slice is thicker than four even ones.
+void placeAtQuantiles(std::vector<double>& boundaries, const std::vector<DepthExtent>& casters,
+                      double farM) {
     if (casters.empty()) return;
-    boundaries[0] = std::ranges::min(casters, {}, &Extent::nearM).nearM;
+    boundaries[0] = std::ranges::min(casters, {}, &DepthExtent::nearM).nearM;
     constexpr std::size_t kBins = 1024;
     const double nearM = boundaries[0], binM = (farM - nearM) / kBins;
     std::vector<double> area(kBins, 0.0);
     double whole = 0.0;
-    for (const Extent& e : casters) {
+    for (const DepthExtent& e : casters) {
         const auto bin = [&](double zM) {
             return std::min(static_cast<std::size_t>(std::max(zM - nearM, 0.0) / binM), kBins - 1);
         };
@@ -276,11 +288,11 @@ void placeAtQuantiles(std::vector<double>& boundaries, std::vector<Extent> caste
 
 /// Moves boundaries down to where a gap between casters in their slice ends, so that no slice
 /// brings to one plane what lies apart. The part below the gap goes to the next slice.
-void cutAtGaps(std::vector<double>& boundaries, std::vector<Extent> casters) {
-    std::ranges::sort(casters, {}, &Extent::nearM);
+void cutAtGaps(std::vector<double>& boundaries, std::vector<DepthExtent> casters) {
+    std::ranges::sort(casters, {}, &DepthExtent::nearM);
     std::vector<std::array<double, 2>> gaps;
     double reachedM = boundaries[0];
-    for (const Extent& e : casters) {
+    for (const DepthExtent& e : casters) {
         if (e.nearM > reachedM) gaps.push_back({reachedM, e.nearM});
         reachedM = std::max(reachedM, e.farM);
     }
@@ -292,24 +304,37 @@ void cutAtGaps(std::vector<double>& boundaries, std::vector<Extent> casters) {
             }
 }
 
-void placeSlices(SliceView& view, const std::vector<Extent>& casters,
-                 const SliceSettings& settings) {
+void placeSlices(SliceView& view, const Frame& frame, const SliceSettings& settings) {
+    const std::vector<DepthExtent> casters = castersIn(
+        view, frame, [](const ClippedTriangle& polygon, std::vector<DepthExtent>& extents) {
+            polygon.addTo(extents);
+        });
     // Without a caster any depth will do; without depth there is nothing to cut.
     double nearM = view.farM * (1.0 - 0x1p-10);
-    for (const Extent& e : casters) nearM = std::min(nearM, e.nearM);
+    for (const DepthExtent& e : casters) nearM = std::min(nearM, e.nearM);
     const auto count = static_cast<std::size_t>(settings.slices);
     view.boundariesM.assign(count + 1, nearM);
     for (std::size_t k = 1; k <= count; ++k)
         view.boundariesM[k] =
             nearM + (view.farM - nearM) * static_cast<double>(k) / static_cast<double>(count + 1);
     if (settings.quantiles) {
-        placeAtQuantiles(view.boundariesM, casters, view.farM);
+        // Casters nearer to the receivers behind them than half an even slice (floors, above all)
+        // are left out, for slices cannot tell the two apart.
+        const double leastM = 0.5 * (view.farM - nearM) / static_cast<double>(count + 1);
+        const FarthestReceivers receivers(frame, view);
+        placeAtQuantiles(
+            view.boundariesM,
+            castersIn(view, frame,
+                      [&](const ClippedTriangle& polygon, std::vector<DepthExtent>& extents) {
+                          receivers.addClear(polygon, leastM, extents);
+                      }),
+            view.farM);
         cutAtGaps(view.boundariesM, casters);
     }
     view.planesM.assign(view.boundariesM.begin() + 1, view.boundariesM.end());
     if (!settings.snap) return;
     std::vector<double> deepest(count, 0.0);
-    for (const Extent& e : casters)
+    for (const DepthExtent& e : casters)
         for (std::size_t k = 0; k < count && view.boundariesM[k] <= e.farM; ++k)
             if (e.nearM < view.boundariesM[k + 1])
                 deepest[k] = std::max(deepest[k], std::min(e.farM, view.boundariesM[k + 1]));
@@ -333,7 +358,7 @@ SliceView SliceView::fit(const Frame& frame, const SliceSettings& settings) {
     SliceSettings whole = settings;
     whole.copFactor = 1.0;
     fitFrustum(view, frame, whole, 0.0);
-    placeSlices(view, castersIn(view, frame), settings);
+    placeSlices(view, frame, settings);
     fitFrustum(view, frame, settings, view.planesM[0]);
     return view;
 }

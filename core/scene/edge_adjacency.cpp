@@ -65,6 +65,7 @@ class EdgeAdjacency::Builder {
             out_.defects_.openEdges += edge.useCount == 1;
             out_.defects_.nonManifoldEdges += edge.useCount > 2;
         }
+        orientAlike();
         findSolids();
         findPieces();
     }
@@ -297,6 +298,34 @@ class EdgeAdjacency::Builder {
     }
 
     /// Sets Face::solid and turns solids' faces outward.
+    /// Turns faces so that neighbours across an edge of two are oriented alike, by the larger
+    /// area's way round; one-sided surfaces, which have no such orientation, stay as they are.
+    void orientAlike() {
+        // Each face twice: 2 f as it is, 2 f + 1 turned. What is joined is turned together.
+        UnionFind ways(2 * out_.faces_.size());
+        bool alike = true;
+        for (const Edge& edge : out_.edges_) {
+            const std::span<const EdgeUse> uses = usesOf(edge);
+            if (uses.size() != 2) continue;
+            const bool against = uses[0].forward == uses[1].forward;
+            alike = alike && !against;
+            for (const std::uint32_t turned : {0u, 1u})
+                ways.join(2 * uses[0].face + turned,
+                          2 * uses[1].face + (against ? 1 - turned : turned));
+        }
+        if (alike) return;
+        std::vector<double> area(2 * out_.faces_.size(), 0.0);
+        for (std::uint32_t f = 0; f < out_.faces_.size(); ++f)
+            area[ways.root(2 * f)] += glm::length(areaVector(geometry_, out_.faces_[f].vertices));
+        std::vector<bool> turned(out_.faces_.size());
+        for (std::uint32_t f = 0; f < out_.faces_.size(); ++f) {
+            const std::uint32_t stays = ways.root(2 * f), turns = ways.root(2 * f + 1);
+            turned[f] = std::pair(area[turns], turns) > std::pair(area[stays], stays);
+            if (turned[f]) std::swap(out_.faces_[f].vertices[1], out_.faces_[f].vertices[2]);
+        }
+        for (EdgeUse& use : out_.uses_) use.forward = use.forward != turned[use.face];
+    }
+
     void findSolids() {
         UnionFind connected(out_.faces_.size());
         for (const Edge& edge : out_.edges_)

@@ -48,7 +48,8 @@ struct OutlineEdge {
 /// Vertices at one position become one (parts that move are welded to themselves only, for they may
 /// touch others by chance). Triangles on the same three vertices become one; where such a wall lies
 /// within solids (the surface closes without it) it goes altogether. An open edge is split at
-/// vertices that lie inside it. What is left of defects is sound all the same: an open edge is a
+/// vertices that lie inside it. Faces that run the other way round than their neighbours are
+/// turned. What is left of defects is sound all the same: an open edge is a
 /// silhouette from everywhere; of three or more faces only the two beside the widest gap matter,
 /// and none if no gap exceeds half a turn. Edges that can be no silhouette are left out: between
 /// coplanar faces and, on closed solids, in hollows.

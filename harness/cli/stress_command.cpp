@@ -3,6 +3,7 @@
 #include "core/error.hpp"
 #include "core/gl/context.hpp"
 #include "harness/cli/commands.hpp"
+#include "harness/report/report.hpp"
 #include "harness/run/progress.hpp"
 #include "harness/study/stress/fuzz.hpp"
 #include "harness/study/stress/output.hpp"
@@ -42,7 +43,11 @@ int runStressMatrix(const Entered& entered) {
                               line->step(done, what);
                           });
     line.reset();
-    if (!entered.out.empty()) stress::writeMatrix(matrix, entered.out);
+    if (!entered.out.empty()) {
+        stress::writeMatrix(matrix, entered.out);
+        const RunFolder run(entered.out);
+        if (std::filesystem::exists(run.summary())) writeSummary(run);
+    }
     fmt::print("{}", entered.markdown ? markdownText(matrix) : tableText(matrix));
     return matrix.wrong() ? 1 : 0;
 }
@@ -65,7 +70,10 @@ void addStressCommand(CLI::App& app, Action& action) {
         "and written to --out (default: results/stress) as scene scripts");
     random->check(CLI::Range(1u, 10'000'000u))->excludes("--case");
     command->add_option("--context", entered->context, "osmesa | egl | glfw | auto");
-    command->add_option("--out", entered->out, "folder for stress.csv, junit.xml and stress.md");
+    command->add_option(
+        "--out", entered->out,
+        "folder for stress.csv, junit.xml and stress.md; in a run folder, also a section of "
+        "its summary.md");
     command->add_flag("--markdown", entered->markdown, "print docs/STABILITY.md")->excludes(random);
     command->callback([entered, &action] {
         action = [entered] {

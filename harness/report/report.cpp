@@ -9,6 +9,7 @@
 #include "harness/report/grid.hpp"
 #include "harness/report/markdown.hpp"
 #include "harness/report/summary.hpp"
+#include "harness/run/csv.hpp"
 #include "harness/run/files.hpp"
 #include "harness/study/curve.hpp"
 #include "harness/study/paired_report.hpp"
@@ -73,6 +74,18 @@ void writeCurves(const RunFolder& folder, const RunRecord& record, const std::ve
     }
 }
 
+/// A document of its own as a section: its headings one level deeper.
+std::string asSection(const std::string& document) {
+    std::string text = "\n";
+    bool lineStarts = true;
+    for (const char c : document) {
+        if (lineStarts && c == '#') text += '#';
+        text += c;
+        lineStarts = c == '\n';
+    }
+    return text;
+}
+
 }  // namespace
 
 void orderRows(const RunFolder& folder, const RunRecord& record) {
@@ -117,6 +130,7 @@ void writeSummary(const RunFolder& folder, const std::string& curveMetric) {
     std::string text = summaryMarkdown(input);
     if (std::filesystem::exists(folder.paired()))
         text += pairedMarkdown(readPairedCsv(folder.paired()), input.rows, record.settings);
+    if (std::filesystem::exists(folder.stress())) text += asSection(readTextFile(folder.stress()));
     writeFileAtomically(folder.summary(), text);
 }
 

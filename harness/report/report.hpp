@@ -14,7 +14,7 @@ void orderRows(const RunFolder& folder, const RunRecord& record);
 /// run's own choice. Throws InputError if it is none.
 void writeArtefacts(const RunFolder& folder, const std::string& curveMetric = {});
 
-/// summary.md alone.
+/// summary.md alone; paired.csv and stress.md, where they are there, are sections of it.
 void writeSummary(const RunFolder& folder, const std::string& curveMetric = {});
 
 }  // namespace penumbra

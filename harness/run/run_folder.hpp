@@ -25,6 +25,8 @@ class RunFolder {
     std::filesystem::path results() const { return root_ / "results.csv"; }
     /// Only in a run of `compare --paired`.
     std::filesystem::path paired() const { return root_ / "paired.csv"; }
+    /// Only where `stress --out` was pointed here: a section of summary().
+    std::filesystem::path stress() const { return root_ / "stress.md"; }
     std::filesystem::path summary() const { return root_ / "summary.md"; }
     std::filesystem::path grid(const std::string& scene) const {
         return root_ / "grid" / (scene + ".png");

@@ -86,6 +86,24 @@ TEST(ClosedForm, KnownValues) {
     }
 }
 
+TEST(ClosedForm, LensesOfDiscsThatTouch) {
+    // METHODS.md, hard case 50: to a step of float on either side of both tangencies.
+    for (const auto& [r, R] : {std::pair(0.3, 1.1), {1.1, 0.3}, {1.0, 1.0}, {1e-9, 1.0}}) {
+        const double whole = std::numbers::pi * std::min(r, R) * std::min(r, R);
+        for (const double tangency : {std::abs(R - r), R + r})
+            for (const double apart :
+                 {std::nextafter(tangency, 0.0), tangency, std::nextafter(tangency, 9.0)}) {
+                const double area = closed_form::lens(apart, r, R);
+                // The area follows the distance to a tangency to the power 3/2, and a step of
+                // float of the larger radius is at most 2e-7 of the smaller.
+                EXPECT_NEAR(area, tangency < R + r ? whole : 0.0, 1e-7 * whole) << r << ' ' << R;
+                EXPECT_GE(area, 0.0) << r << ' ' << R;
+                EXPECT_LE(area, whole * (1.0 + 1e-12));
+            }
+    }
+    EXPECT_DOUBLE_EQ(closed_form::lens(0.0, 1.0, 1.0), std::numbers::pi);
+}
+
 TEST(ClosedForm, RectangleOverRectangle) {
     const AreaLight light = lightAbove(5, 2, 1);
     const Rect occluder{{-0.4, -0.2}, {0.35, 0.6}};

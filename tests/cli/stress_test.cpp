@@ -34,6 +34,27 @@ TEST(Stress, WritesItsMatrix) {
         EXPECT_TRUE(std::filesystem::exists(out / name)) << name;
 }
 
+TEST(Stress, IsASectionOfTheReportOfARun) {
+    const testing::TempFolder folder;
+    const std::string run = (folder.path() / "run").string();
+    ASSERT_EQ(test::penumbra({"compare", "--scene", "half_plane", "--method", "hard", "--size",
+                              "16x16", "--repeats", "1", "--out", run})
+                  .exitCode,
+              0);
+    const auto summary = [&] { return test::readText(folder.path() / "run" / "summary.md"); };
+    const std::string before = summary();
+    EXPECT_EQ(before.find("Stability"), std::string::npos);
+    ASSERT_EQ(test::penumbra({"stress", "--case", "no_caster", "--method", "hard", "--out", run})
+                  .exitCode,
+              0);
+    const std::string after = summary();
+    EXPECT_NE(after.find("\n## Stability\n"), std::string::npos);
+    EXPECT_NE(after.find("\n### Matrix\n"), std::string::npos);
+    EXPECT_NE(after.find("| no_caster | pass 0 |"), std::string::npos);
+    ASSERT_EQ(test::penumbra({"report", run}).exitCode, 0);
+    EXPECT_EQ(summary(), after);
+}
+
 TEST(Stress, RefusesWhatItDoesNotKnow) {
     const auto refusal = [](const std::vector<std::string>& arguments) {
         const test::Finished done = test::penumbraInProcess(arguments);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "core/error.hpp"
 #include "tests/support/procedural.hpp"
@@ -66,6 +67,62 @@ TEST(EdgeAdjacency, SolidsAreTurnedOutward) {
         const glm::dvec3 corner = glm::sign(glm::dvec3(edge.a) - 0.5);
         // A cube's corner is cut by as many diagonals as may be: its normal is the cube's diagonal.
         EXPECT_NEAR(glm::dot(glm::dvec3(edge.stretchA), corner), std::sqrt(3.0), 1e-6);
+    }
+}
+
+TEST(EdgeAdjacency, FacesAreTurnedAsTheirNeighbours) {
+    const auto geometry = cube().geometry();
+    const EdgeAdjacency outward(*geometry);
+    for (unsigned flipped = 1; flipped < 4096; flipped += 97) {
+        Geometry mixed = *geometry;
+        for (std::size_t face = 0; face < 12; ++face)
+            if (flipped >> face & 1u)
+                std::swap(mixed.indices[3 * face], mixed.indices[3 * face + 1]);
+        const EdgeAdjacency adjacency(mixed);
+        double volume = 0.0;
+        for (const EdgeAdjacency::Face& face : adjacency.faces()) {
+            EXPECT_TRUE(face.closed) << flipped;
+            const auto at = [&](std::size_t k) {
+                return glm::dvec3(mixed.positions[face.vertices[k]]);
+            };
+            volume += glm::dot(at(0), glm::cross(at(1), at(2))) / 6.0;
+        }
+        EXPECT_NEAR(volume, 1.0, 1e-12) << "corners are exact";
+        EXPECT_EQ(adjacency.outlineEdges(mixed).size(), outward.outlineEdges(*geometry).size());
+    }
+}
+
+TEST(EdgeAdjacency, OneSidedSurfacesStayAsTheyAre) {
+    // A band of an odd number of half turns.
+    constexpr int kParts = 12;
+    const auto rim = [](int i, double side) {
+        const double turn = 2.0 * std::numbers::pi * i / kParts, half = 0.5 * turn;
+        const double r = 2.0 + 0.5 * side * std::cos(half);
+        return glm::dvec3(r * std::cos(turn), r * std::sin(turn), 0.5 * side * std::sin(half));
+    };
+    Shape band;
+    for (int i = 0; i < kParts; ++i) {
+        const bool last = i + 1 == kParts;  // meets the first upside down
+        band.quad(rim(i, -1), rim(i, 1), rim(last ? 0 : i + 1, last ? -1 : 1),
+                  rim(last ? 0 : i + 1, last ? 1 : -1));
+    }
+    const auto geometry = band.geometry();
+    const EdgeAdjacency adjacency(*geometry);
+    ASSERT_EQ(adjacency.faces().size(), 2u * kParts);
+    EXPECT_EQ(adjacency.defects().openEdges, 2u * kParts);
+    for (const EdgeAdjacency::Face& face : adjacency.faces()) {
+        EXPECT_FALSE(face.solid);
+        const std::array<std::uint32_t, 3> v = face.vertices;
+        bool asItWas = false;
+        for (std::size_t i = 0; i < geometry->indices.size(); i += 3)
+            for (std::size_t k = 0; k < 3; ++k) {
+                bool same = true;
+                for (std::size_t c = 0; c < 3; ++c)
+                    same = same && geometry->positions[v[c]] ==
+                                       geometry->positions[geometry->indices[i + (c + k) % 3]];
+                asItWas = asItWas || same;
+            }
+        EXPECT_TRUE(asItWas);
     }
 }
 

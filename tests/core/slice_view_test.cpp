@@ -106,6 +106,30 @@ TEST_F(SliceViewTest, QuantilesGoWhereCastersHaveReceiversBehindThem) {
     EXPECT_GT(inBox(true), inBox(false) + 3);
 }
 
+TEST_F(SliceViewTest, CuttingTrianglesMovesNothing) {
+    // The floor ends below the plate, so that a part of it only has a receiver far below.
+    for (const bool orthographic : {false, true}) {
+        std::vector<SliceView> views;
+        for (const int cells : {1, 2, 7, 40}) {
+            const AreaLight light = lightAbove(3.0, 0.5, 0.3);
+            Shape shape;
+            shape.rectangle({-1.0, -2.0}, {3.0, 1.0}, 0.0);
+            shape.grid({-0.7, -0.8, 0.5}, {2.2, 0.1, 0.9}, {0.1, 1.3, 0.2}, cells);
+            shape.grid({0.2, -1.0, 0.1}, {0.0, 1.6, 0.0}, {0.3, 0.0, 0.9}, cells);
+            const TestFrame frame({shape.geometry(), light},
+                                  planeGBuffer(24, 24, {-1, -2, 0}, {1.8, 0, 0}, {0, 3, 0}, light));
+            views.push_back(
+                SliceView::fit(*frame, {.orthographic = orthographic, .quantiles = true}));
+        }
+        // Corners of the parts are floats.
+        for (const SliceView& view : views)
+            for (std::size_t k = 0; k < view.planesM.size(); ++k) {
+                EXPECT_NEAR(view.boundariesM[k], views[0].boundariesM[k], 2e-6) << k;
+                EXPECT_NEAR(view.planesM[k], views[0].planesM[k], 2e-6) << k;
+            }
+    }
+}
+
 TEST_F(SliceViewTest, PlanesLieAtTheDeepestCaster) {
     const AreaLight light = lightAbove(3.0, 0.5, 0.5);
     Shape shape;

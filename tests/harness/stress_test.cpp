@@ -14,6 +14,7 @@
 #include "tests/core/scene_files.hpp"
 #include "tests/support/fake_methods.hpp"
 #include "tests/support/gl_fixture.hpp"
+#include "tests/support/run_program.hpp"
 
 namespace penumbra::stress {
 namespace {
@@ -238,6 +239,43 @@ TEST_F(StressTest, KnownFileIsReadStrictly) {
               std::string::npos);
     EXPECT_NE(message("[[known]\n").find("known.toml:1: "), std::string::npos);
     EXPECT_TRUE(readKnown(folder_.path() / "none.toml", {}).empty());
+}
+
+TEST_F(StressTest, ElsewhereFileIsReadStrictly) {
+    const auto message = [&](const std::string& text) {
+        const auto file = folder_.write("elsewhere.toml", text);
+        return refusal([&] { readElsewhere(file); });
+    };
+    const std::string good = "[[elsewhere]]\nnumber = 58\nwhat = \"x\"\nbecause = \"so\"\n";
+    EXPECT_EQ(message(good), "");
+    EXPECT_TRUE(message(good + good).ends_with("elsewhere.toml:6: 58 is listed already"));
+    EXPECT_NE(message("[[elsewhere]]\nnumber = 59").find("elsewhere.toml:2: "), std::string::npos);
+    EXPECT_NE(message("[[elsewhere]]\nnumber = 1\nwhat = \"x\"").find("needs 'because'"),
+              std::string::npos);
+    EXPECT_TRUE(readElsewhere(folder_.path() / "none.toml").empty());
+}
+
+TEST_F(StressTest, EveryHardCaseIsACaseOrElsewhere) {
+    const CaseLibrary cases = CaseLibrary::standard();
+    std::map<int, std::string> found;
+    for (const std::string& id : cases.ids())
+        for (const int number : cases.load(id).numbers) found[number] = id;
+    std::string sources;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(PENUMBRA_TEST_DIR))
+        if (entry.path().extension() == ".cpp") sources += test::readText(entry.path());
+    for (const Elsewhere& entry : readElsewhere(cases.folder / "elsewhere.toml")) {
+        EXPECT_FALSE(found.contains(entry.number))
+            << entry.number << " is in " << found[entry.number];
+        found[entry.number] = "elsewhere";
+        for (const std::string& test : entry.tests) {
+            const std::size_t dot = test.find('.');
+            const std::string name =
+                "(" + test.substr(0, dot) + ", " + test.substr(dot + 1) + ") {";
+            EXPECT_NE(sources.find(name), std::string::npos) << test;
+        }
+    }
+    for (int number = 1; number <= kNumbers; ++number)
+        EXPECT_TRUE(found.contains(number)) << number;
 }
 
 TEST_F(StressTest, CaseFilesAreReadStrictly) {

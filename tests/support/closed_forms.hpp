@@ -77,11 +77,14 @@ inline double lens(double D, double r, double R) {
     if (D >= r + R) return 0.0;
     const double least = std::min(r, R);
     if (D <= std::abs(R - r)) return std::numbers::pi * least * least;
-    const auto part = [&](double a, double b) {
-        return a * a * std::acos(std::clamp((D * D + a * a - b * b) / (2 * D * a), -1.0, 1.0));
+    // The segment of one disc beyond the chord, from half its angle's sine: near a tangency a
+    // cosine beside 1 has lost the angle's digits.
+    const auto segment = [&](double a, double b) {
+        const double square = (a + b - D) * (D + (b - a)) / (4 * D * a);
+        const double angle = 2 * std::asin(std::sqrt(std::clamp(square, 0.0, 1.0)));
+        return a * a * (angle - 0.5 * std::sin(2 * angle));
     };
-    const double kite = (-D + r + R) * (D + r - R) * (D - r + R) * (D + r + R);
-    return part(r, R) + part(R, r) - 0.5 * std::sqrt(std::max(0.0, kite));
+    return segment(r, R) + segment(R, r);
 }
 
 /// R2.7: a sphere before a rectangular light: chords of the ellipse, clipped to the light, at

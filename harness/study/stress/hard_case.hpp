@@ -47,8 +47,8 @@ struct HardCase {
     std::map<std::string, std::vector<Setting>> settings;  ///< by method, instead of defaults
 };
 
-/// Where the cases are: `folder`/*.toml but known.toml and random.toml; scenes that several share
-/// are in `folder`/base.
+/// Where the cases are: `folder`/*.toml but elsewhere.toml, known.toml and random.toml; scenes that
+/// several share are in `folder`/base.
 struct CaseLibrary {
     std::filesystem::path folder;
     /// The source tree's scenes/stress, or that of $PENUMBRA_SCENES.

@@ -156,6 +156,7 @@ Matrix runMatrix(const CaseLibrary& library, const MatrixOptions& options,
     for (const std::string& id : chosen(options.cases, cases, "case"))
         matrix.cases.push_back(library.load(id));
     matrix.known = readKnown(library.folder / "known.toml", cases);
+    matrix.elsewhere = readElsewhere(library.folder / "elsewhere.toml");
     for (std::size_t i = 0; i < matrix.cases.size(); ++i) {
         const HardCase& c = matrix.cases[i];
         starts(i, matrix.cases.size(), c.id);

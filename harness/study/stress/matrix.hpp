@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/study/stress/elsewhere.hpp"
 #include "harness/study/stress/hard_case.hpp"
 #include "harness/study/stress/known.hpp"
 
@@ -44,6 +45,7 @@ struct Matrix {
     std::vector<std::string> methods;
     std::vector<Cell> cells;  ///< case by case, methods in order
     std::vector<KnownLimitation> known;
+    std::vector<Elsewhere> elsewhere;
     const Cell* find(const std::string& hardCase, const std::string& method) const;
     bool wrong() const;
 };

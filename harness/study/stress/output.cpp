@@ -8,6 +8,7 @@
 
 #include "core/error.hpp"
 #include "harness/run/files.hpp"
+#include "harness/run/run_folder.hpp"
 #include "harness/study/stress/invariants.hpp"
 
 namespace penumbra::stress {
@@ -106,6 +107,20 @@ std::string matrixTable(const Matrix& matrix) {
     return text;
 }
 
+std::string elsewhereTable(const Matrix& matrix) {
+    if (matrix.elsewhere.empty()) return "";
+    std::string text =
+        "\n## Hard cases that are held elsewhere\n\n"
+        "The other numbers of METHODS.md (scenes/stress/elsewhere.toml): what none of the images "
+        "above would show, and the tests that hold it; without a test, nothing is registered that "
+        "the case is about.\n\n"
+        "| METHODS.md | what | why it is no case | tests |\n| --- | --- | --- | --- |\n";
+    for (const Elsewhere& e : matrix.elsewhere)
+        text += fmt::format("| {} | {} | {} | {} |\n", e.number, markdown(e.what),
+                            markdown(e.because), fmt::join(e.tests, ", "));
+    return text;
+}
+
 template <class Counts, class Line>
 void section(std::string& text, const Matrix& matrix, const std::string& title,
              const Counts& counts, const Line& line) {
@@ -198,7 +213,7 @@ std::string markdownText(const Matrix& matrix) {
     for (const HardCase& c : matrix.cases)
         text += fmt::format("| {} | {} | {} | {} | {} |\n", c.id, numbersOf(c), c.invariant,
                             figure(c.bound), markdown(c.shows));
-    text += "\n## Matrix\n\n" + matrixTable(matrix);
+    text += elsewhereTable(matrix) + "\n## Matrix\n\n" + matrixTable(matrix);
     section(
         text, matrix, "## Failures\n", [](const Cell& c) { return c.wrong(); },
         [](const Cell& c) {
@@ -228,7 +243,7 @@ void writeMatrix(const Matrix& matrix, const std::filesystem::path& folder) {
     if (error) throw InputError(fmt::format("--out {}: {}", folder.string(), error.message()));
     writeFileAtomically(folder / "stress.csv", csvText(matrix));
     writeFileAtomically(folder / "junit.xml", junitText(matrix));
-    writeFileAtomically(folder / "stress.md", markdownText(matrix));
+    writeFileAtomically(RunFolder(folder).stress(), markdownText(matrix));
 }
 
 }  // namespace penumbra::stress
