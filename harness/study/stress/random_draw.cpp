@@ -120,6 +120,8 @@ std::string randomValue(const Parameter& parameter, Dice& dice) {
                                      : fmt::format("{:.6g}", value);
 }
 
+/// Means over the pixels asked. Of the horizon's pixels `meanAbsolute` counts nothing: one map knows
+/// no more of the light below a receiver's plane than the hard shadow does, and as little is scored.
 struct Errors {
     double meanAbsolute = 0.0, rms = 0.0;
 };
@@ -129,7 +131,7 @@ Errors errorsOf(const StageFrame& frame, const Visibility& visibilityAt) {
     Errors errors;
     for (const std::size_t i : frame.asked()) {
         const double e = std::abs(visibilityAt(i) - static_cast<double>(frame.exact()[i]));
-        errors.meanAbsolute += e;
+        if (frame.frame().gbuffer.mask[i] == PixelClass::scored) errors.meanAbsolute += e;
         errors.rms += e * e;
     }
     const double n = static_cast<double>(std::max<std::size_t>(1, frame.asked().size()));

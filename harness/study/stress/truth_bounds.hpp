@@ -8,7 +8,8 @@
 
 namespace penumbra::stress {
 
-/// How far a method may be from the exact visibility of a random scene, over the pixels asked.
+/// How far a method may be from the exact visibility of a random scene, over the pixels asked
+/// (on the horizon only where methods sample the light).
 struct TruthBound {
     /// Of methods that sample the light: rms error at most `rmsFactor` / sqrt(parameter `samples`).
     std::string samples;
