@@ -13,6 +13,7 @@
 
 #include "core/passes/accumulation_buffer.hpp"
 #include "core/passes/light_maps.hpp"
+#include "core/passes/lit_tiles.hpp"
 #include "core/passes/map_comparison.hpp"
 #include "core/sampling/light_refinement.hpp"
 #include "methods/shadow_method.hpp"
@@ -96,17 +97,10 @@ class AdaptiveLightSampled : public ShadowMethod {
                                 "the comparisons' bits (where all pixels have them, else array)"};
     BoolParameter skipDecided_{
         this, "skip_decided", true,
-        "where a compared pixel and its eight neighbours are lit in all maps, or dark in all, "
-        "pixels between are taken to be, too (evaluation in one array after comparison by bits); "
-        "shadows narrower than the stride may be missed"};
-    IntParameter checks_{this,
-                         "checks",
-                         1,
-                         0,
-                         9,
-                         "",
-                         "maps in which such a pixel is looked up all the same; where one does not "
-                         "agree, in all"};
+        "tiles of 4 x 4 pixels that no caster in a map from the light's centre can shadow, from "
+        "any point of the light, are lit: neither compared (in the camera's space) nor looked up "
+        "(evaluation in one array); not where casters near the light or receivers far aside make "
+        "that map too wide"};
     BoolParameter reuse_{this, "reuse", false,
                          "refinement starts where the previous frame's ended, less what that could "
                          "have done without; the image then depends on the frames before"};
@@ -135,12 +129,7 @@ class AdaptiveLightSampled : public ShadowMethod {
         return {{{"epsilon", "0.5"}, {"map_size", "256"}, {"centre_test", "false"}},
                 {{"epsilon", "0.2"}},
                 {{"epsilon", "0.08"}, {"rim_depth", "3"}, {"pcf", "2x2"}},
-                {{"epsilon", "0.04"}, {"rim_depth", "3"}, {"pcf", "2x2"}},
-                {{"epsilon", "0.01"},
-                 {"rim_depth", "3"},
-                 {"max_depth", "4"},
-                 {"max_maps", "256"},
-                 {"pcf", "2x2"}}};
+                {{"epsilon", "0.04"}, {"rim_depth", "3"}, {"pcf", "2x2"}}};
     }
 
     void prepare(const Scene&, const Plan& plan) override {
@@ -148,12 +137,20 @@ class AdaptiveLightSampled : public ShadowMethod {
         oneMap_ = gl::Program::graphics("light_sampled.glsl", {"PASS_ONE_MAP"});
         if (!plan.has(Effect::penumbra)) return;
         all_ = evaluation("light_sampled.glsl", "PASS_ALL");
-        if (bits()) {
-            mark_ = gl::Program::graphics("adaptive_light_sampled.glsl", {"PASS_MARK_BITS"});
-            spread_ = gl::Program::graphics("adaptive_light_sampled.glsl", {"PASS_SPREAD_STATES"});
+        if (skips()) {
+            lit_ = LitTiles(plan.has(Effect::alpha_mask));
             shadeUndecided_ = evaluation("adaptive_light_sampled.glsl", "PASS_SHADE_UNDECIDED");
+        }
+        if (bits()) {
+            mark_ = comparison({"PASS_MARK_BITS"});
         } else {
-            differ_ = gl::Program::graphics("adaptive_light_sampled.glsl", comparisonDefines());
+            differ_ = comparison(comparisonDefines());
+            if (collects()) {
+                collect_ = comparison({"PASS_COLLECT"});
+                std::vector<std::string> collected = comparisonDefines();
+                collected.emplace_back("COLLECTED");
+                differCollected_ = comparison(collected);
+            }
             if (space_.is("light")) centreMap_ = DepthPass(plan.has(Effect::alpha_mask));
         }
         if (shadedFromBits())
@@ -169,6 +166,7 @@ class AdaptiveLightSampled : public ShadowMethod {
         maps_.fit(frame, mapSize_, !hard_);
         if (hard_) return maps_.render(frame, std::vector<LightSample>(1));
         const gl::DebugGroup group("adaptive_light_sampled: refine");
+        if (skips()) lit_.classify(frame, mapSize_, static_cast<float>(bias_));
         refine(frame);
         maps_.setWeights(finalWeights());
     }
@@ -180,30 +178,40 @@ class AdaptiveLightSampled : public ShadowMethod {
         if (!hard_ && evaluation_.is("buffer")) return accumulate(frame, target);
         const gl::DebugGroup group("adaptive_light_sampled: evaluate");
         const bool fromBits = !hard_ && shadedFromBits();
-        const bool undecided = !hard_ && !fromBits && bits() && skipDecided_;
-        if (undecided) bits_.spread(spread_, frame.gbufferTextures);
+        const bool undecided = !hard_ && skips() && lit_.usable();
         const gl::Program& program = hard_       ? oneMap_
                                      : fromBits  ? shadeBits_
                                      : undecided ? shadeUndecided_
                                                  : all_;
         drawn(program);
-        program.set(*this);
-        if (fromBits || undecided) bits_.bind();
-        target.draw(program, frame.gbufferTextures);
+        if (fromBits) bits_.bind();
+        if (!undecided) return target.draw(program, frame.gbufferTextures);
+        lit_.classes().shade(program, frame);
+        target.draw(lit_.classes().answers(), frame.gbufferTextures);
     }
 
     WorkCounters counters() const override {
         const int maps = maps_.count() * maps_.tileCount() + centreMap_.map().layers();
         const double texels = static_cast<double>(mapSize_) * mapSize_;
-        return {
-            maps, maps * texels,
-            maps_.mebibytes() + centreMap_.map().mebibytes() + sum_.mebibytes() + bits_.mebibytes(),
-            hard_ ? "" : refinement_.summary()};
+        return {maps + lit_.maps(), maps * texels + lit_.texels(),
+                maps_.mebibytes() + centreMap_.map().mebibytes() + lit_.mebibytes() +
+                    sum_.mebibytes() + bits_.mebibytes() + collected_.mebibytes(),
+                hard_ ? "" : refinement_.summary()};
     }
 
   private:
     bool bits() const { return countBy_.is("bits") && compare_.is("tight") && space_.is("camera"); }
     bool shadedFromBits() const { return bits() && evaluation_.is("bits") && stride_ == 1; }
+    bool skips() const { return skipDecided_ && space_.is("camera") && !shadedFromBits(); }
+
+    /// Whether pixels that may differ are collected once for all queries: where neither the
+    /// receiver's plane nor the tile it is in matters.
+    bool collects() const { return !compare_.is("tight") && space_.is("camera") && !byTile(); }
+
+    gl::Program comparison(std::vector<std::string> defines) const {
+        if (skips()) defines.emplace_back("SKIP_LIT_TILES");
+        return gl::Program::graphics("adaptive_light_sampled.glsl", defines);
+    }
 
     gl::Program evaluation(const char* file, const char* pass) const {
         std::vector<std::string> defines = {pass};
@@ -325,24 +333,42 @@ class AdaptiveLightSampled : public ShadowMethod {
             maps_.select(known, maps_.count() - known);
             drawn(mark_);
             mark_.set("stride", stride_);
+            bindTiles(mark_);
             return bits_.mark(mark_, frame.gbufferTextures, comparisons, tiles);
         }
         if (comparisons.empty()) return {};
         if (target_.width() != tiles.width || target_.height() != tiles.height)
             target_ = BlankTarget(tiles.width, tiles.height);
-        drawn(differ_);
-        differ_.set(*this);
-        differ_.set("stride", stride_);
-        differ_.set("depthUnitM", static_cast<float>(frame.lightBounds.whole.receiverFarM));
+        const bool collected = collects() && maps_.tileCount() == 1;
+        if (collected && known == 0) {
+            drawn(collect_);
+            collect_.set("stride", stride_);
+            bindTiles(collect_);
+            collected_.collect(collect_, target_, frame.gbufferTextures);
+        }
+        const gl::Program& differ = collected ? differCollected_ : differ_;
+        drawn(differ);
+        differ.set(*this);
+        differ.set("stride", stride_);
+        differ.set("depthUnitM", static_cast<float>(frame.lightBounds.whole.receiverFarM));
+        if (collected)
+            collected_.bind(differ);
+        else
+            bindTiles(differ);
         constexpr GLuint kCentreMapUnit = 2;
         const bool fromCentre = space_.is("light");
         if (fromCentre) centreMap_.map().bind(kCentreMapUnit);
-        return queries_.count(target_, frame.gbufferTextures, comparisons, tiles,
-                              fromCentre ? maps_.tileCount() : 1,
+        return queries_.count(collected ? collected_.target() : target_, frame.gbufferTextures,
+                              comparisons, tiles, fromCentre ? maps_.tileCount() : 1,
                               [&](const MapComparison& comparison, int draw) {
-                                  differ_.set("compared", comparison);
-                                  differ_.set("centreTile", draw);
+                                  differ.set("compared", comparison);
+                                  differ.set("centreTile", draw);
                               });
+    }
+
+    void bindTiles(const gl::Program& program) const {
+        program.set("tilesDecided", lit_.usable() ? 1 : 0);
+        if (lit_.usable()) lit_.classes().bind();
     }
 
     /// Scaled so that leaf areas are whole numbers and equals 1, whose sums are exact.
@@ -384,9 +410,12 @@ class AdaptiveLightSampled : public ShadowMethod {
     LightRefinement refinement_;
     BlankTarget target_;
     QueriedComparison queries_;
+    CollectedReceivers collected_;
     ShadowBits bits_;
+    LitTiles lit_;
     AccumulationBuffer sum_;
-    gl::Program oneMap_, all_, add_, resolve_, differ_, mark_, shadeBits_, spread_, shadeUndecided_;
+    gl::Program oneMap_, all_, add_, resolve_, differ_, collect_, differCollected_, mark_,
+        shadeBits_, shadeUndecided_;
     Camera builtFor_;
     bool hard_ = false;
 };

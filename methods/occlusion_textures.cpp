@@ -121,7 +121,7 @@ class OcclusionTextures : public ShadowMethod {
                 {{"slices", "8"}, {"cells", "2"}},
                 {{"slices", "16"}, {"cells", "2"}},
                 {{"slices", "16"}, {"cells", "3"}, {"map_size", "1024"}},
-                {{"slices", "64"}, {"cells", "4"}, {"map_size", "1024"}}};
+                {{"slices", "32"}, {"cells", "4"}, {"map_size", "1024"}}};
     }
 
     void prepare(const Scene& scene, const Plan& plan) override {

@@ -3,24 +3,21 @@
 // PASS_COMPARE: drawn in an occlusion query that counts the pixels at which the first COMPARED_MAPS
 // of `compared` do not agree. COMPARE_TIGHT, _ABSOLUTE, _RELATIVE or _SYMMETRIC; LIGHT_SPACE: pixels
 // are the texels of the centre's map.
+// With COLLECTED the pixels are those that PASS_COLLECT found worth it.
 // PASS_MARK_BITS: adds new maps' shadow tests to the bits kept per pixel and counts by atomics.
-// PASS_SPREAD_STATES: what the pixels compared around each of them saw in all maps.
-// PASS_SHADE_UNDECIDED: reads all maps only where those around saw light and dark.
+// PASS_SHADE_UNDECIDED: reads all maps, in tiles that are not lit (core/passes/lit_tiles.hpp).
+// With SKIP_LIT_TILES pixels of those that are lit are not compared.
+#ifdef PASS_SHADE_UNDECIDED
+#define UNDECIDED_TILES
+#endif
+#if defined(UNDECIDED_TILES) || defined(SKIP_LIT_TILES)
+#include "common/pixel_classes.glsl"
+#else
 #include "common/receiver.glsl"
+#endif
 
 #ifdef STAGE_FRAGMENT
 #include "common/light_maps.glsl"
-
-#if defined(PASS_MARK_BITS) || defined(PASS_SPREAD_STATES) || defined(PASS_SHADE_UNDECIDED)
-// Of the pixels compared: whether any map was lit, and any dark; kNothing for what no light reaches.
-const uint kNothing = 0u, kLit = 1u, kDark = 2u;
-#ifndef PASS_SHADE_UNDECIDED
-layout(r8ui, binding = 1) uniform uimage2D pixelStates;
-#endif
-#ifndef PASS_MARK_BITS
-layout(r8ui, binding = 2) uniform uimage2D spreadStates;
-#endif
-#endif
 
 #if defined(PASS_MARK_BITS) || defined(PASS_SHADE_BITS)
 const int kMaxWords = kMaxLightSamples / 32;
@@ -36,13 +33,24 @@ uint filled(int word, int count) {
 }
 #endif
 
-#if defined(PASS_MARK_BITS) || defined(PASS_COMPARE)
+#if defined(PASS_MARK_BITS) || defined(PASS_COMPARE) || defined(PASS_COLLECT)
 uniform int stride;  // every so many pixels one is compared
 
 ivec2 comparedPixel() {
     ivec2 pixel = ivec2(gl_FragCoord.xy) * stride + stride / 2;
     return min(pixel, textureSize(gbufferPosition, 0) - 1);
 }
+
+#ifdef SKIP_LIT_TILES
+uniform bool tilesDecided;
+
+// Whether all maps are known to agree there.
+bool isLit(ivec2 pixel) {
+    return tilesDecided && isDecided(texelFetch(tileClasses, pixel / kTilePixels, 0));
+}
+#else
+bool isLit(ivec2 pixel) { return false; }
+#endif
 #endif
 
 #ifdef PASS_MARK_BITS
@@ -56,10 +64,8 @@ layout(std430, binding = 1) buffer Counts { uint counts[]; };  // of a compariso
 void main() {
     vec3 position, normal;
     ivec2 texel = ivec2(gl_FragCoord.xy);
-    if (!receivesAt(comparedPixel(), position, normal)) {
-        imageStore(pixelStates, texel, uvec4(kNothing));
-        return;
-    }
+    ivec2 pixel = comparedPixel();
+    if (isLit(pixel) || !receivesAt(pixel, position, normal)) return;
     int end = firstLightSample + lightSampleCount;
     LightPoint centre = lightPoint(position, normal);
     Receiver receiver = receiverOf(centre, position, normal);
@@ -76,7 +82,6 @@ void main() {
         noneLit = noneLit && word == 0u;
         words[w] = word;
     }
-    imageStore(pixelStates, texel, uvec4((noneLit ? kNothing : kLit) | (allLit ? kNothing : kDark)));
     if (allLit || noneLit) return;
     ivec2 tile = texel / pixelTileSide;
     int at = tile.y * pixelTileColumns + tile.x;
@@ -88,36 +93,28 @@ void main() {
     }
 }
 
-#elif defined(PASS_SPREAD_STATES)
-void main() {
-    ivec2 texel = ivec2(gl_FragCoord.xy), last = imageSize(pixelStates) - 1;
-    uint seen = kNothing;
-    for (int y = -1; y <= 1; ++y)
-        for (int x = -1; x <= 1; ++x)
-            seen |= imageLoad(pixelStates, clamp(texel + ivec2(x, y), ivec2(0), last)).r;
-    imageStore(spreadStates, texel, uvec4(seen));
-}
-
-#elif defined(PASS_SHADE_UNDECIDED)
-uniform int p_stride;
-uniform int p_checks;
+#elif defined(PASS_COLLECT)
+uniform int receiversAcross;
+layout(rgba32f, binding = 0) writeonly uniform image2D receivers;
+layout(std430, binding = 1) buffer Counter { uint receiverCount; };
 
 void main() {
     vec3 position, normal;
+    ivec2 pixel = comparedPixel();
+    if (isLit(pixel) || !receivesAt(pixel, position, normal)) return;
+    LightPoint centre = lightPoint(position, normal);
+    if (!centre.inFront) return;
+    // Those after one another in blocks of 4 x 4, which the processor shades at once.
+    int at = int(atomicAdd(receiverCount, 1u)), block = at >> 4, blocks = receiversAcross >> 2;
+    ivec2 place = 4 * ivec2(block % blocks, block / blocks) + ivec2(at & 3, at >> 2 & 3);
+    imageStore(receivers, place,
+               vec4(centre.uv * float(mapSize), 1.0 / centre.zM, 0.0));
+}
+
+#elif defined(PASS_SHADE_UNDECIDED)
+void main() {
+    vec3 position, normal;
     if (!receives(position, normal)) return;
-    uint seen = imageLoad(spreadStates, ivec2(gl_FragCoord.xy) / p_stride).r;
-    if (seen == kLit || seen == kDark) {
-        float all = seen == kLit ? 1.0 : 0.0;
-        LightPoint centre = lightPoint(position, normal);
-        bool agree = true;
-        if (p_checks > 0 && centre.inFront) {
-            Receiver receiver = receiverOf(centre, position, normal);
-            for (int i = 0; i < min(p_checks, lightSampleCount); ++i)
-                agree = agree && litFromMap(receiver, position, normal, i) == all;
-        }
-        visibility = all;
-        if (agree) return;
-    }
     visibility = litSum(position, normal) / lightSampleWeight;
 }
 
@@ -181,17 +178,20 @@ bool surface(out vec3 position, out vec3 normal) {
 }
 #else
 bool surface(out vec3 position, out vec3 normal) {
-    return receivesAt(comparedPixel(), position, normal);
+    ivec2 pixel = comparedPixel();
+    return !isLit(pixel) && receivesAt(pixel, position, normal);
 }
 #endif
 
-// 1 / depth of the caster that map i shows at the receiver's place, 1 / metres; 0: none. A map of
-// five tiles has the caster at (receiver's s) / (caster's s) of the receiver's depth.
+// 1 / depth of the caster that map i, of one tile, shows at the receiver's place, 1 / metres; 0: none.
+float inverseDepth(Receiver receiver, int i) {
+    ivec2 texel = clamp(ivec2(placeIn(receiver, i)), ivec2(0), ivec2(mapSize - 1));
+    return texelFetch(shadowMap, ivec3(texel, i), 0).r / tileNear[0];
+}
+
+// The same of any. A map of five tiles has the caster at (receiver's s) / (caster's s) of the receiver's depth.
 float inverseDepth(LightPoint centre, Receiver receiver, vec3 position, vec3 normal, int i) {
-    if (tileCount == 1) {
-        ivec2 texel = clamp(ivec2(placeIn(receiver, i)), ivec2(0), ivec2(mapSize - 1));
-        return texelFetch(shadowMap, ivec3(texel, i), 0).r / tileNear[0];
-    }
+    if (tileCount == 1) return inverseDepth(receiver, i);
     LightPoint point = lightPoint(position - lightSamples[i].offsetWeight.xyz, normal);
     ivec2 texel = clamp(ivec2(point.uv * float(mapSize)), ivec2(0), ivec2(mapSize - 1));
     float s = texelFetch(shadowMap, ivec3(texel, point.tile + i * tileCount), 0).r;
@@ -201,16 +201,36 @@ float inverseDepth(LightPoint centre, Receiver receiver, vec3 position, vec3 nor
 // `left` and `right` are inverse depths; where neither map shows anything they agree, for any gamma
 // but 0, of which nothing is less.
 bool agree(float left, float right) {
-    if (left == 0.0 || right == 0.0) return left == right && p_gamma > 0.0;
 #if defined(COMPARE_ABSOLUTE)  // eq. 3
-    return abs(1.0 / left - 1.0 / right) < p_gamma * depthUnitM;
-#elif defined(COMPARE_RELATIVE)  // eq. 7: |1 - depthLeft / depthRight|
-    return abs(1.0 - right / left) < p_gamma;
+    bool near = abs(1.0 / left - 1.0 / right) < p_gamma * depthUnitM;
+#elif defined(COMPARE_RELATIVE)  // eq. 7: |1 - depthLeft / depthRight| < gamma, times 1 / depthLeft
+    bool near = abs(left - right) < p_gamma * left;
 #else  // |depthLeft - depthRight| < gamma max(depthLeft, depthRight)
-    return abs(left - right) < p_gamma * max(left, right);
+    bool near = abs(left - right) < p_gamma * max(left, right);
 #endif
+    return left == 0.0 || right == 0.0 ? left == right && p_gamma > 0.0 : near;
 }
 
+#ifdef COLLECTED
+layout(binding = 3) uniform sampler2D receivers;
+uniform int receiversAcross, receiverCount;
+
+void main() {
+    ivec2 at = ivec2(gl_FragCoord.xy);
+    Receiver receiver;
+    vec4 place = texelFetch(receivers, at, 0);
+    receiver.texel = place.xy;
+    receiver.inverseZ = place.z;
+    bool differ = false;
+    float value[COMPARED_MAPS];
+    for (int c = 0; c < COMPARED_MAPS; ++c) value[c] = inverseDepth(receiver, compared[c]);
+    for (int a = 0; a < COMPARED_MAPS - 1; ++a)
+        for (int b = a + 1; b < COMPARED_MAPS; ++b)
+            differ = differ || !agree(value[a], value[b]);
+    int index = (at.y >> 2) * (receiversAcross << 2) + (at.x >> 2 << 4) + (at.y & 3) * 4 + (at.x & 3);
+    if (!differ || index >= receiverCount) discard;
+}
+#else
 void main() {
     vec3 position, normal;
     if (!surface(position, normal)) discard;
@@ -244,5 +264,6 @@ void main() {
         }
     discard;
 }
+#endif
 #endif
 #endif

@@ -5,8 +5,16 @@
 namespace penumbra {
 namespace {
 
-constexpr GLuint kBitsUnit = 0, kStatesUnit = 1, kSpreadUnit = 2, kComparisonsBinding = 0,
-                 kCountsBinding = 1;
+// shaders/adaptive_light_sampled.glsl
+constexpr GLuint kBitsUnit = 0, kComparisonsBinding = 0, kCountsBinding = 1;
+constexpr GLuint kReceiversImage = 0, kReceiversUnit = 3;
+constexpr int kReceiversAcross = 1024, kBlockRows = 4;
+
+/// Rows that hold `count` of the receivers.
+int rowsOf(int count) {
+    constexpr int kPerBlockRow = kReceiversAcross * kBlockRows;
+    return kBlockRows * ((count + kPerBlockRow - 1) / kPerBlockRow);
+}
 
 /// At least `bytes` of storage.
 void reserve(gl::Buffer& buffer, std::size_t bytes) {
@@ -92,12 +100,37 @@ std::vector<std::uint64_t> QueriedComparison::results(std::size_t queries) const
     return counts;
 }
 
+void CollectedReceivers::collect(const gl::Program& program, const BlankTarget& pixels,
+                                 const GBufferTextures& gbuffer) {
+    const int rows = rowsOf(pixels.width() * pixels.height());
+    if (receivers_.height() != rows)
+        receivers_ = gl::Texture::create2D(GL_RGBA32F, kReceiversAcross, rows);
+    reserve(counter_, sizeof(GLuint));
+    GLuint count = 0;
+    glNamedBufferSubData(counter_.id(), 0, sizeof count, &count);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kCountsBinding, counter_.id());
+    glBindImageTexture(kReceiversImage, receivers_.id(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+    program.set("receiversAcross", kReceiversAcross);
+    pixels.begin(gbuffer);
+    pixels.draw();
+    pixels.end();
+    glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+    glGetNamedBufferSubData(counter_.id(), 0, sizeof count, &count);
+    count_ = static_cast<int>(count);
+    const int filled = std::max(1, rowsOf(count_));
+    if (rows_.height() != filled) rows_ = BlankTarget(kReceiversAcross, filled);
+}
+
+void CollectedReceivers::bind(const gl::Program& program) const {
+    receivers_.bind(kReceiversUnit);
+    program.set("receiversAcross", kReceiversAcross);
+    program.set("receiverCount", count_);
+}
+
 ShadowBits::ShadowBits(int width, int height)
     : target_(width, height),
       bits_(gl::Texture::createArray(GL_R32UI, width, height,
-                                     static_cast<int>(LightMaps::kMaxSamples / 32))),
-      states_(gl::Texture::create2D(GL_R8UI, width, height)),
-      spread_(gl::Texture::create2D(GL_R8UI, width, height)) {}
+                                     static_cast<int>(LightMaps::kMaxSamples / 32))) {}
 
 std::vector<std::uint64_t> ShadowBits::mark(const gl::Program& program,
                                             const GBufferTextures& gbuffer,
@@ -127,19 +160,8 @@ std::vector<std::uint64_t> ShadowBits::mark(const gl::Program& program,
     return {counts.begin(), counts.end()};
 }
 
-void ShadowBits::spread(const gl::Program& program, const GBufferTextures& gbuffer) const {
-    program.use();
-    bind();
-    target_.begin(gbuffer);
-    target_.draw();
-    target_.end();
-    glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
-}
-
 void ShadowBits::bind() const {
     glBindImageTexture(kBitsUnit, bits_.id(), 0, GL_TRUE, 0, GL_READ_WRITE, GL_R32UI);
-    glBindImageTexture(kStatesUnit, states_.id(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_R8UI);
-    glBindImageTexture(kSpreadUnit, spread_.id(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_R8UI);
 }
 
 }  // namespace penumbra

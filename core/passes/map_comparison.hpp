@@ -48,6 +48,29 @@ class BlankTarget {
     int width_ = 0, height_ = 0;
 };
 
+/// The receivers that a pass over all pixels finds worth comparing, one after another in the rows
+/// of a texture, so that what is drawn many times is drawn for those only. The programs are
+/// shaders/adaptive_light_sampled.glsl's PASS_COLLECT and, to read them, PASS_COMPARE with
+/// COLLECTED.
+class CollectedReceivers {
+  public:
+    /// Replaces them by what `program` (in use, its own uniforms and textures set) finds among
+    /// `pixels`' pixels. Waits for their number.
+    void collect(const gl::Program& program, const BlankTarget& pixels,
+                 const GBufferTextures& gbuffer);
+    /// Sets what `program` (in use) reads them by.
+    void bind(const gl::Program& program) const;
+    /// As large as the rows that are filled, 1 at least.
+    const BlankTarget& target() const { return rows_; }
+    double mebibytes() const { return receivers_.mebibytes(); }
+
+  private:
+    BlankTarget rows_;
+    gl::Texture receivers_;  ///< RGBA32F: place in the map of the light's centre (texels), 1 / z
+    gl::Buffer counter_;
+    int count_ = 0;
+};
+
 /// Counts pixels at which maps differ by occlusion queries (GL_SAMPLES_PASSED), one per comparison
 /// and tile, all of them submitted before any is read.
 class QueriedComparison {
@@ -87,8 +110,7 @@ class QueriedComparison {
 
 /// Shadow tests kept as one bit per pixel and map, so that a map is looked up once however many
 /// comparisons it takes part in; pixels that differ are counted by atomics. The programs are
-/// shaders/adaptive_light_sampled.glsl's PASS_MARK_BITS, PASS_SHADE_BITS, PASS_SPREAD_STATES and
-/// PASS_SHADE_UNDECIDED.
+/// shaders/adaptive_light_sampled.glsl's PASS_MARK_BITS and PASS_SHADE_BITS.
 class ShadowBits {
   public:
     ShadowBits() = default;
@@ -100,21 +122,16 @@ class ShadowBits {
     std::vector<std::uint64_t> mark(const gl::Program& program, const GBufferTextures& gbuffer,
                                     std::span<const MapComparison> comparisons,
                                     const TileGrid& tiles);
-    /// Gathers for every pixel what it and its eight neighbours saw in all maps marked.
-    void spread(const gl::Program& program, const GBufferTextures& gbuffer) const;
-    /// Binds bits and states for a program that reads them, after mark and spread.
+    /// Binds the bits for a program that reads them, after mark.
     void bind() const;
     bool holds(int width, int height) const {
         return bits_.width() == width && bits_.height() == height;
     }
-    double mebibytes() const {
-        return bits_.mebibytes() + states_.mebibytes() + spread_.mebibytes();
-    }
+    double mebibytes() const { return bits_.mebibytes(); }
 
   private:
     BlankTarget target_;
-    gl::Texture bits_;             ///< R32UI array, bit i % 32 of layer i / 32 is map i's
-    gl::Texture states_, spread_;  ///< R8UI: 1 some map lit, 2 some map dark, 3 both
+    gl::Texture bits_;  ///< R32UI array, bit i % 32 of layer i / 32 is map i's
     gl::Buffer comparisons_, counts_;
 };
 

@@ -71,8 +71,12 @@ void PixelClasses::shade(const gl::Program& program, const Frame& frame) const {
     glDisable(GL_PROGRAM_POINT_SIZE);
 }
 
-const gl::Program& PixelClasses::answers() const {
+void PixelClasses::bind() const {
     tiles_.bind(kTilesUnit);
+}
+
+const gl::Program& PixelClasses::answers() const {
+    bind();
     shaded_.bind(kShadedUnit);
     answers_.use();
     return answers_;

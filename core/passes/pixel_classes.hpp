@@ -18,7 +18,9 @@ namespace penumbra {
 /// shaders/common/light_view.glsl makes. A caster that hides a point of the light from a receiver
 /// lies in the pyramid between the receiver and the light, and so does whatever hides that caster
 /// from the light's centre: the answer 1 is sound for every method, up to the map's resolution and
-/// its bias (a caster thinner than a texel can fall between). In side tiles of a half cube the
+/// its bias (a caster thinner than a texel can fall between), if the map holds all that the
+/// footprints pass over. Tiles of receivers for whom part of the light is below the horizon are
+/// undecided. In side tiles of a half cube the
 /// footprint leaves the light's perspective over its own depth out, as pcss does.
 ///
 /// A tile is dark where all of those texels block all of its receivers. That is not the truth (the
@@ -52,6 +54,8 @@ class PixelClasses {
     /// VisibilityTarget::draw.
     const gl::Program& answers() const;
 
+    /// Binds the tiles for a program that asks for their classes itself.
+    void bind() const;
     const gl::Texture& tiles() const { return tiles_; }  ///< RGBA32F, a texel per tile
     double mebibytes() const { return tiles_.mebibytes() + shaded_.mebibytes(); }
 

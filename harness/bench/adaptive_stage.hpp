@@ -63,8 +63,8 @@ class Player {
     }
     std::vector<float> image() const { return target_.read(); }
     std::string message() const { return method_->counters().message; }
-    /// Rendered by the last frame.
-    int maps() const { return method_->counters().maps; }
+    /// Points of the light that the last frame had maps from.
+    int maps() const { return std::stoi(message()); }
 
     std::vector<double> buildMs, frameMs;
     double workMs = 1e300, buildWorkMs = 1e300;  ///< least of all frames

@@ -43,6 +43,7 @@ bool boundReceivers(ivec2 first, ivec2 last, out Receivers all, out float mostRe
 
     // lightPoint for all, in the reference's tile, the plane in tangents from the reference on.
     mat3 axes = tileAxes[point.tile];
+    vec3 u = axes * lightU, v = axes * lightV;
     vec4 tangents = tileTangents[point.tile];
     vec2 toTexels = tangents.zw * float(mapSize), toTangents = 1.0 / toTexels;
     float near = tileNear[point.tile];
@@ -60,9 +61,12 @@ bool boundReceivers(ivec2 first, ivec2 last, out Receivers all, out float mostRe
             vec2 t = l.xy * inverse;
             vec2 gradient = k < 0.0 ? near / k * n.xy : vec2(0.0);
             vec3 error = abs(vec3(gradient - slope, s - all.planeS - dot(slope, t - from)));
-            // Beside the reference's tile, on its border or behind the light.
+            // Beside the reference's tile, on its border, or where part of the light is behind.
             float beside = tileCount > 1 ? max(abs(t.x), abs(t.y)) : 0.0;
-            widest = asks ? max(widest, l.z > 0.0 ? beside : 2.0) : widest;
+            // Below its own horizon it is the surface's back that hides the light, which is below
+            // the tangent plane.
+            bool front = l.z > 0.0 && k < -abs(dot(n, u)) - abs(dot(n, v));
+            widest = asks ? max(widest, front ? beside : 2.0) : widest;
             lo = asks ? min(lo, t) : lo;
             hi = asks ? max(hi, t) : hi;
             minS = asks ? min(minS, s) : minS;
@@ -79,7 +83,6 @@ bool boundReceivers(ivec2 first, ivec2 last, out Receivers all, out float mostRe
     all.planeError = planeError;
     all.slopeError = slopeError * toTangents;
     // Of Footprint: affine in t, so that it is widest at a corner.
-    vec3 u = axes * lightU, v = axes * lightV;
     all.extent = (max(abs(u.xy - u.z * lo), abs(u.xy - u.z * hi)) +
                   max(abs(v.xy - v.z * lo), abs(v.xy - v.z * hi))) * toTexels / near;
     all.minReach = minKernel * maxS;

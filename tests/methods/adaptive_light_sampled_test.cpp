@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <random>
 
 #include "core/error.hpp"
 #include "core/gl/work_counter.hpp"
@@ -263,38 +264,95 @@ TEST_F(AdaptiveLightSampled, PointsDrawnInAreTheGridOfEqualCells) {
               static_cast<int>(frame.asked().size()) / 100);
 }
 
-TEST_F(AdaptiveLightSampled, SkippingTheDecidedChangesNothingUnderALargeCaster) {
-    // The box's shadows are wider than the stride: pixels between nine that agree agree with them,
-    // but for corners of shadows that reach in between, less than the stride's square each.
-    const TestFrame frame = box().frame();
-    for (const char* epsilon : {"0", "0.05", "0.4"}) {
-        const Assignments settings = {{"epsilon", epsilon}, {"stride", "4"}};
-        const Image all = outcome(frame, with(settings, {{"skip_decided", "false"}})).image;
-        for (const char* checks : {"0", "1"}) {
-            const Image skipped = outcome(frame, with(settings, {{"checks", checks}})).image;
-            const int changed =
-                violations(frame, skipped, [&](float v, std::size_t i) { return v == all[i]; });
-            EXPECT_LE(changed, 16) << epsilon << ", checks " << checks;
-        }
-    }
+/// Pixels whose visibility is not the same where lit tiles are skipped, whose maps may be told by
+/// `settings`.
+int changedBySkipping(const TestFrame& frame, const Assignments& settings) {
+    const Image all = outcome(frame, with(settings, {{"skip_decided", "false"}})).image;
+    const Image skipped = outcome(frame, settings).image;
+    return violations(frame, skipped, [&](float v, std::size_t i) { return v == all[i]; });
 }
 
-TEST_F(AdaptiveLightSampled, SkippingTheDecidedMissesWhatFallsBetween) {
-    // A wire whose shadow is a pixel wide, on the floor's rows that are not compared: without a
-    // check it is lost where it lies on the floor, with one it is found, as all maps show it there.
+/// Whether the map that tells lit tiles was rendered.
+bool skips(const TestFrame& frame, const Assignments& settings) {
+    const Outcome o = outcome(frame, settings);
+    return o.counters.maps == o.maps + 1;
+}
+
+TEST_F(AdaptiveLightSampled, SkippingLitTilesChangesNothing) {
+    const TestFrame frame = box().frame();
+    const Assignments small = {{"map_size", "128"}};
+    EXPECT_TRUE(skips(frame, small));
+    for (const char* epsilon : {"0", "0.05", "0.4"})
+        for (const char* stride : {"1", "4"})
+            EXPECT_EQ(
+                changedBySkipping(frame, with(small, {{"epsilon", epsilon}, {"stride", stride}})),
+                0)
+                << epsilon << ' ' << stride;
+    for (const char* pcf : {"2x2", "5x5"})
+        EXPECT_EQ(changedBySkipping(frame, with(small, {{"pcf", pcf}})), 0) << pcf;
+    for (const char* countBy : {"bits", "queries"})
+        for (const char* compare : {"tight", "absolute", "relative", "symmetric"})
+            EXPECT_EQ(changedBySkipping(frame,
+                                        with(small, {{"count_by", countBy}, {"compare", compare}})),
+                      0)
+                << countBy << ' ' << compare;
+}
+
+TEST_F(AdaptiveLightSampled, SkippingLitTilesFindsWhatFallsBetweenComparedPixels) {
+    // A wire whose shadow is a pixel wide, on the floor's rows that are not compared.
     Room room;
     const double pixelM = 1.6 / 96, rowM = -0.8 + 50.5 * pixelM;
     room.shape.rectangle({-0.6, rowM - 0.4 * pixelM}, {0.6, rowM + 0.4 * pixelM}, 0.002);
     const TestFrame frame = room.frame();
     const Assignments settings = {{"stride", "8"}, {"map_size", "1024"}, {"epsilon", "0.4"}};
-    const auto shadowed = [&](const Assignments& more) {
-        return violations(frame, outcome(frame, with(settings, more)).image,
-                          [](float v, auto) { return v > 0.5f; });
-    };
-    const int wire = shadowed({{"skip_decided", "false"}});
-    EXPECT_GT(wire, 40);
-    EXPECT_EQ(shadowed({{"checks", "0"}}), 0);
-    EXPECT_EQ(shadowed({{"checks", "1"}}), wire);
+    ASSERT_TRUE(skips(frame, settings));
+    EXPECT_GT(
+        violations(frame, outcome(frame, settings).image, [](float v, auto) { return v > 0.5f; }),
+        40);
+    EXPECT_EQ(changedBySkipping(frame, settings), 0);
+}
+
+TEST_F(AdaptiveLightSampled, SkippingLitTilesMissesNoneOfManySmallCasters) {
+    // Squares of 1 to 3 centimetres, three texels at least, at all heights up to half the light's;
+    // the map still is less than twice as wide as the floor.
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> place(-0.7, 0.7), height(0.01, 1.0), half(0.005, 0.015);
+    for (int round = 0; round < 4; ++round) {
+        Room room;
+        for (int i = 0; i < 6; ++i) {
+            const glm::dvec2 at(place(random), place(random));
+            const double halfM = half(random);
+            room.shape.rectangle(at - halfM, at + halfM, height(random));
+        }
+        const TestFrame frame = room.frame();
+        for (const char* epsilon : {"0.4", "1e6"}) {
+            const Assignments settings = {{"epsilon", epsilon}};
+            ASSERT_TRUE(skips(frame, settings));
+            EXPECT_EQ(changedBySkipping(frame, settings), 0) << round << ' ' << epsilon;
+        }
+    }
+}
+
+TEST_F(AdaptiveLightSampled, NothingIsSkippedUnderCastersCloseToTheLight) {
+    // The map would have to hold what is beside a caster 2 centimetres from a light of 0.8 metres.
+    Room room;
+    room.shape.rectangle({-0.01, -0.01}, {0.01, 0.01}, 1.98);
+    const TestFrame frame = room.frame();
+    EXPECT_FALSE(skips(frame, {}));
+    EXPECT_EQ(changedBySkipping(frame, {}), 0);
+}
+
+TEST_F(AdaptiveLightSampled, WhatIsBelowPartOfTheLightsHorizonIsNotSkipped) {
+    // A wall that stands under the light's edge at 0.4 metres: without casters its face sees the
+    // part of the light before it, and only where it is under the light.
+    const AreaLight light = lightAbove(2.0, 0.8, 0.8);
+    Shape away;
+    away.rectangle({0.39, -1.0}, {0.4, 1.0}, 0.0);
+    const TestFrame frame({away.geometry(), light},
+                          planeGBuffer(48, 48, {0.1, -0.5, 0.1}, {0, 1, 0}, {0, 0, 1}, light));
+    const Image image = outcome(frame, {}).image;
+    EXPECT_GT(violations(frame, image, [](float v, auto) { return v == 1.0f; }), 0);
+    EXPECT_EQ(changedBySkipping(frame, {}), 0);
 }
 
 TEST_F(AdaptiveLightSampled, LargerKernelsAreSmootherAndStayWithinTheMaps) {
