@@ -40,7 +40,7 @@ std::optional<Growth> growthOf(std::span<const double> x,
 
 /// `penumbra compare --scaling`: times every setting of `options` on the first frame of every scene
 /// over a geometric series of `axis`, in rounds whose order is drawn anew for each. Writes
-/// scaling.csv and summary.md. Returns 0, or 3 when some point failed. Throws InputError for bad
+/// scaling.csv, summary.md and, per scene, scaling/<scene>.svg and .png. Returns 0, or 3 when some point failed. Throws InputError for bad
 /// input before anything is measured.
 int scaling(const CompareOptions& options, ScalingAxis axis);
 

@@ -4,16 +4,19 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <map>
 #include <thread>
 
 #include "core/error.hpp"
 #include "core/sampling/sampling.hpp"
+#include "harness/run/csv.hpp"
 #include "harness/run/files.hpp"
 #include "harness/run/progress.hpp"
 #include "harness/run/provenance.hpp"
 #include "harness/run/run_folder.hpp"
 #include "harness/run/suite.hpp"
 #include "harness/run/thread_limit.hpp"
+#include "harness/study/curve.hpp"
 #include "harness/study/scaling.hpp"
 #include "harness/study/study_frame.hpp"
 #include "harness/study/varied_scene.hpp"
@@ -202,7 +205,7 @@ std::string csvOf(const std::vector<Series>& all, ScalingAxis axis) {
         "exponent_high,build_exponent,shade_exponent,fit_within\n";
     for (const Series& series : all)
         for (const Point& point : series.points) {
-            csv += fmt::format("{},{},{},{},{},{}", series.scene, series.setting.method,
+            csv += fmt::format("{},{},{},{},{},{}", csvQuoted(series.scene), series.setting.method,
                                point.setting.name, nameOf(axis), point.x, point.status);
             for (const Part part : {frameMs, buildMs, shadeMs})
                 csv += point.status == "ok" ? fmt::format(",{}", medianOf(point, part)) : ",";
@@ -255,6 +258,29 @@ std::string summaryOf(const std::vector<Series>& all, ScalingAxis axis, const Co
         page += tableRow(series, axis);
     }
     return page;
+}
+
+/// Frame time against what grows, a series per setting with its exponent.
+Plot plotOf(const std::vector<Series>& all, const std::string& scene, ScalingAxis axis) {
+    const std::map<std::string, int> styles = methodStyles({});
+    Plot plot;
+    plot.title = fmt::format("Growth with {}: {}", nameOf(axis), scene);
+    plot.note = "Medians; beside each the exponent of its power law.";
+    plot.xLabel = nameOf(axis);
+    plot.yLabel = "frame time (ms)";
+    for (const Series& s : all) {
+        if (s.scene != scene || s.ok.empty()) continue;
+        PlotSeries series;
+        series.label = s.frame ? fmt::format("{} {:.2f}", s.setting.name, s.frame->exponent.median)
+                               : s.setting.name;
+        series.style = styles.at(s.setting.method);
+        for (const Point* p : s.ok) {
+            series.points.push_back({p->x, medianOf(*p, frameMs), p->x, p->x, true});
+            series.line.emplace_back(p->x, medianOf(*p, frameMs));
+        }
+        plot.series.push_back(std::move(series));
+    }
+    return plot;
 }
 
 std::vector<std::shared_ptr<const Scene>> scenesOf(const CompareOptions& o) {
@@ -315,6 +341,13 @@ int scaling(const CompareOptions& o, ScalingAxis axis) {
     const std::string summary = summaryOf(all, axis, o, provenance, load);
     writeFileAtomically(folder.root() / "scaling.csv", csvOf(all, axis));
     writeFileAtomically(folder.summary(), summary);
+    std::filesystem::create_directories(folder.root() / "scaling");
+    for (const auto& scene : scenes) {
+        const Plot plot = plotOf(all, scene->id, axis);
+        if (plot.series.empty()) continue;
+        writeFileAtomically(folder.root() / "scaling" / (scene->id + ".svg"), plotSvg(plot));
+        writeFileAtomically(folder.root() / "scaling" / (scene->id + ".png"), plotPng(plot));
+    }
     fmt::print("{}\n", std::filesystem::absolute(folder.root()).lexically_normal().string());
     return failed ? 3 : 0;
 }

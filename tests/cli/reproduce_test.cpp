@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "harness/run/csv.hpp"
@@ -92,7 +93,11 @@ TEST_F(Reproduce, ScalingWritesItsTable) {
     ASSERT_EQ(csv.complete.size(), 5U);  // the header, and a quarter to twice the default of 1024
     for (const std::size_t i : {1, 2, 3, 4})
         EXPECT_EQ(csv.complete[i].fields[4], std::to_string(128 << i));
+    EXPECT_TRUE(says(test::readText(out() / "map_size" / "scaling" / "half_plane.svg"),
+                     fmt::format("hard {:.2f}", std::stod(csv.complete[1].fields[9]))));
+    EXPECT_TRUE(std::filesystem::exists(out() / "map_size" / "scaling" / "half_plane.png"));
     EXPECT_EQ(scale("slices", "hard").exitCode, 0);
+    EXPECT_FALSE(std::filesystem::exists(out() / "slices" / "scaling" / "half_plane.svg"));
     EXPECT_TRUE(says(test::readText(out() / "slices" / "summary.md"),
                      "| hard | not applicable: has no slices |"));
     const test::Finished unknown = scale("threads", "hard");
