@@ -16,6 +16,7 @@
 #include "core/passes/lit_tiles.hpp"
 #include "core/passes/map_comparison.hpp"
 #include "core/sampling/light_refinement.hpp"
+#include "methods/map_bias.hpp"
 #include "methods/shadow_method.hpp"
 
 namespace penumbra {
@@ -109,21 +110,10 @@ class AdaptiveLightSampled : public ShadowMethod {
                          {"off", "2x2", "3x3", "5x5"},
                          "comparisons per map, weighted as the receiver lies between their texels"};
     IntParameter mapSize_{this, "map_size", 512, 16, 16384, "texels", "side of each shadow map"};
-    FloatParameter bias_{this,
-                         "bias",
-                         0.5,
-                         0.0,
-                         64.0,
-                         "texels",
-                         "how far towards the light a receiver is moved before the comparison, in "
-                         "texel footprints at its depth"};
+    MapBias bias_{this};
 
   public:
-    Traits traits() const override {
-        return {{Effect::penumbra, Effect::self_shadow, Effect::thin_casters,
-                 Effect::layered_casters, Effect::alpha_mask, Effect::moving_light,
-                 Effect::moving_casters, Effect::moving_camera}};
-    }
+    Traits traits() const override { return {EffectSet::all()}; }
 
     std::vector<Assignments> ladder() const override {
         return {{{"epsilon", "0.5"}, {"map_size", "256"}, {"centre_test", "false"}},

@@ -5,6 +5,7 @@
 
 #include "core/gl/program.hpp"
 #include "core/passes/depth_pass.hpp"
+#include "methods/map_bias.hpp"
 #include "methods/shadow_method.hpp"
 
 namespace penumbra {
@@ -12,21 +13,10 @@ namespace {
 
 class Hard : public ShadowMethod {
     IntParameter mapSize_{this, "map_size", 1024, 16, 16384, "texels", "side of the shadow map"};
-    FloatParameter bias_{this,
-                         "bias",
-                         0.5,
-                         0.0,
-                         64.0,
-                         "texels",
-                         "how far towards the light a receiver is moved before the comparison, in "
-                         "texel footprints at its depth"};
+    MapBias bias_{this};
 
   public:
-    Traits traits() const override {
-        return {{Effect::self_shadow, Effect::thin_casters, Effect::layered_casters,
-                 Effect::alpha_mask, Effect::moving_light, Effect::moving_casters,
-                 Effect::moving_camera}};
-    }
+    Traits traits() const override { return {EffectSet::all() - EffectSet{Effect::penumbra}}; }
 
     std::vector<Assignments> ladder() const override {
         return {{{"map_size", "256"}},

@@ -14,6 +14,7 @@
 #include "core/passes/accumulation_buffer.hpp"
 #include "core/passes/light_maps.hpp"
 #include "core/sampling/sampling.hpp"
+#include "methods/map_bias.hpp"
 #include "methods/shadow_method.hpp"
 
 namespace penumbra {
@@ -51,21 +52,10 @@ class LightSampled : public ShadowMethod {
         this, "pcf", false,
         "four comparisons per map, weighted as the receiver lies between their texels"};
     IntParameter mapSize_{this, "map_size", 512, 16, 16384, "texels", "side of each shadow map"};
-    FloatParameter bias_{this,
-                         "bias",
-                         0.5,
-                         0.0,
-                         64.0,
-                         "texels",
-                         "how far towards the light a receiver is moved before the comparison, in "
-                         "texel footprints at its depth"};
+    MapBias bias_{this};
 
   public:
-    Traits traits() const override {
-        return {{Effect::penumbra, Effect::self_shadow, Effect::thin_casters,
-                 Effect::layered_casters, Effect::alpha_mask, Effect::moving_light,
-                 Effect::moving_casters, Effect::moving_camera}};
-    }
+    Traits traits() const override { return {EffectSet::all()}; }
 
     std::vector<Assignments> ladder() const override {
         return {{{"samples", "4"}, {"map_size", "256"}},

@@ -110,11 +110,7 @@ class OcclusionTextures : public ShadowMethod {
                          "their depth, times the sine of their slope"};
 
   public:
-    Traits traits() const override {
-        return {{Effect::penumbra, Effect::self_shadow, Effect::thin_casters,
-                 Effect::layered_casters, Effect::alpha_mask, Effect::moving_light,
-                 Effect::moving_casters, Effect::moving_camera}};
-    }
+    Traits traits() const override { return {EffectSet::all()}; }
 
     std::vector<Assignments> ladder() const override {
         return {{{"slices", "4"}, {"cells", "2"}, {"map_size", "256"}},

@@ -13,6 +13,7 @@
 #include "core/gl/program.hpp"
 #include "core/passes/depth_pass.hpp"
 #include "core/sampling/sampling.hpp"
+#include "methods/map_bias.hpp"
 #include "methods/shadow_method.hpp"
 
 namespace penumbra {
@@ -44,21 +45,10 @@ class Pcf : public ShadowMethod {
                              {"nearest", "hardware"},
                              "each tap compares the nearest texel, or four of them weighted by "
                              "distance as the texture unit does"};
-    FloatParameter bias_{this,
-                         "bias",
-                         0.5,
-                         0.0,
-                         64.0,
-                         "texels",
-                         "how far towards the light a receiver is moved before the comparison, in "
-                         "texel footprints at its depth"};
+    MapBias bias_{this};
 
   public:
-    Traits traits() const override {
-        return {{Effect::penumbra, Effect::self_shadow, Effect::thin_casters,
-                 Effect::layered_casters, Effect::alpha_mask, Effect::moving_light,
-                 Effect::moving_casters, Effect::moving_camera}};
-    }
+    Traits traits() const override { return {EffectSet::all()}; }
 
     std::vector<Assignments> ladder() const override {
         return {{{"taps", "9"}, {"map_size", "512"}},

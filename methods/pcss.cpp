@@ -25,6 +25,7 @@
 #include "core/passes/depth_pass.hpp"
 #include "core/passes/min_max_pyramid.hpp"
 #include "core/passes/pixel_classes.hpp"
+#include "methods/map_bias.hpp"
 #include "methods/shadow_method.hpp"
 
 namespace penumbra {
@@ -58,14 +59,7 @@ class Pcss : public ShadowMethod {
                               "light sizes",
                               "greatest width of search and filter at the receiver over the "
                               "light's: 1 reaches casters half way up to the light"};
-    FloatParameter bias_{this,
-                         "bias",
-                         0.5,
-                         0.0,
-                         64.0,
-                         "texels",
-                         "how far towards the light a receiver is moved before the comparison, in "
-                         "texel footprints at its depth"};
+    MapBias bias_{this};
     ChoiceParameter pyramid_{this,
                              "pyramid",
                              {"early_outs", "narrow", "off"},
@@ -74,11 +68,7 @@ class Pcss : public ShadowMethod {
                              "footprint blocks; narrow it only; or search up to the near plane"};
 
   public:
-    Traits traits() const override {
-        return {{Effect::penumbra, Effect::self_shadow, Effect::thin_casters,
-                 Effect::layered_casters, Effect::alpha_mask, Effect::moving_light,
-                 Effect::moving_casters, Effect::moving_camera}};
-    }
+    Traits traits() const override { return {EffectSet::all()}; }
 
     std::vector<Assignments> ladder() const override {
         return {{{"blocker_taps", "9"}, {"filter_taps", "16"}, {"map_size", "512"}},

@@ -33,6 +33,7 @@
 #include "core/gl/program.hpp"
 #include "core/passes/depth_pass.hpp"
 #include "core/passes/farthest_pyramid.hpp"
+#include "methods/map_bias.hpp"
 #include "methods/shadow_method.hpp"
 
 namespace penumbra {
@@ -92,21 +93,10 @@ class PenumbraQuads : public ShadowMethod {
     BoolParameter weld_{this, "weld", true,
                         "weld vertices, drop back-to-back triangles, split T-junctions; off, the "
                         "mesh is taken as it is and its seams cast false penumbrae"};
-    FloatParameter bias_{this,
-                         "bias",
-                         0.5,
-                         0.0,
-                         64.0,
-                         "texels",
-                         "how far towards the light a receiver is moved before the comparison, in "
-                         "texel footprints at its depth"};
+    MapBias bias_{this};
 
   public:
-    Traits traits() const override {
-        return {{Effect::penumbra, Effect::self_shadow, Effect::thin_casters,
-                 Effect::layered_casters, Effect::moving_light, Effect::moving_casters,
-                 Effect::moving_camera}};
-    }
+    Traits traits() const override { return {EffectSet::all() - EffectSet{Effect::alpha_mask}}; }
 
     std::vector<Assignments> ladder() const override {
         return {{{"map_size", "256"}, {"stretch", "far_plane"}, {"corners", "averaged"}},

@@ -25,6 +25,7 @@
 #include "core/passes/depth_pass.hpp"
 #include "core/passes/layer_pass.hpp"
 #include "core/passes/summed_area_table.hpp"
+#include "methods/map_bias.hpp"
 #include "methods/shadow_method.hpp"
 
 namespace penumbra {
@@ -96,21 +97,10 @@ class Vsm : public ShadowMethod {
                                 1e6,
                                 "quanta",
                                 "least variance, in steps of the second moment as it is stored"};
-    FloatParameter bias_{this,
-                         "bias",
-                         0.5,
-                         0.0,
-                         64.0,
-                         "texels",
-                         "how far towards the light a receiver is moved before the comparison, in "
-                         "texel footprints at its depth"};
+    MapBias bias_{this};
 
   public:
-    Traits traits() const override {
-        return {{Effect::penumbra, Effect::self_shadow, Effect::thin_casters,
-                 Effect::layered_casters, Effect::alpha_mask, Effect::moving_light,
-                 Effect::moving_casters, Effect::moving_camera}};
-    }
+    Traits traits() const override { return {EffectSet::all()}; }
 
     std::vector<Assignments> ladder() const override {
         return {{{"kernel", "fixed"}, {"subdivisions", "1"}},

@@ -45,6 +45,13 @@ std::size_t GBuffer::count(PixelClass c) const {
     return static_cast<std::size_t>(std::count(mask.begin(), mask.end(), c));
 }
 
+std::vector<std::size_t> GBuffer::asked() const {
+    std::vector<std::size_t> pixels;
+    for (std::size_t i = 0; i < size(); ++i)
+        if (isAsked(mask[i])) pixels.push_back(i);
+    return pixels;
+}
+
 PixelClass classify(const glm::dvec3& position, const glm::dvec3& normal, const AreaLight& light) {
     if (!above(position, light.centre, light.normal())) return PixelClass::facingAway;
     const auto corners = light.corners();  // of a point light: the point, four times

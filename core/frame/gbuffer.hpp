@@ -17,6 +17,11 @@ enum class PixelClass : std::uint8_t {
     facingAway = 3,  ///< none of the light is above its tangent plane, or it lies behind the light
 };
 
+/// Whether methods and the reference answer for such a pixel: part of the light may be seen.
+constexpr bool isAsked(PixelClass c) {
+    return c == PixelClass::scored || c == PixelClass::horizon;
+}
+
 /// The points that everyone answers for: reference, methods, metrics. Row-major, top row first,
 /// width * height entries each.
 struct GBuffer {
@@ -31,6 +36,8 @@ struct GBuffer {
 
     std::size_t size() const { return mask.size(); }
     std::size_t count(PixelClass c) const;
+    /// Pixels for which methods and the reference answer, in order.
+    std::vector<std::size_t> asked() const;
 };
 
 /// Traces the pixel centres' camera rays and classifies each point against the light. Parallel.

@@ -24,9 +24,7 @@ template <class Visit>
 void forEachReceiver(const Frame& frame, const SliceView& view, std::size_t stride,
                      const Visit& visit) {
     for (std::size_t i = 0; i < frame.gbuffer.size(); i += stride)
-        if (frame.gbuffer.mask[i] == PixelClass::scored ||
-            frame.gbuffer.mask[i] == PixelClass::horizon)
-            visit(inLight(view, frame.gbuffer.position[i]));
+        if (isAsked(frame.gbuffer.mask[i])) visit(inLight(view, frame.gbuffer.position[i]));
 }
 
 /// The farthest receiver in each cell of the frustum's section: what is not well in front of those

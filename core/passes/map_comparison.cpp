@@ -32,7 +32,7 @@ int receiversAmong(const GBuffer& gbuffer, int stride) {
             const PixelClass shown =
                 gbuffer.mask[static_cast<std::size_t>(y) * static_cast<std::size_t>(gbuffer.width) +
                              static_cast<std::size_t>(x)];
-            receivers += shown == PixelClass::scored || shown == PixelClass::horizon;
+            receivers += isAsked(shown);
         }
     return receivers;
 }

@@ -24,9 +24,7 @@ OutsideImage read(const ScoreOptions& options) {
 std::string maskOut(OutsideImage& image, const GBuffer& gbuffer) {
     std::size_t undivided = 0, uncovered = 0;
     for (std::size_t i = 0; i < gbuffer.size(); ++i) {
-        const bool asked =
-            gbuffer.mask[i] == PixelClass::scored || gbuffer.mask[i] == PixelClass::horizon;
-        if (!asked) continue;
+        if (!isAsked(gbuffer.mask[i])) continue;
         if (!image.masked.empty() && image.masked[i]) {
             ++undivided;
         } else if (!image.covered.empty() && !image.covered[i]) {

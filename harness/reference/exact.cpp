@@ -36,10 +36,6 @@ constexpr double kNarrow = 1e-6;
 /// visible share of its area differs from that of its irradiance.
 constexpr double kSmallLight = 1e-8;
 
-bool isAsked(PixelClass mask) {
-    return mask == PixelClass::scored || mask == PixelClass::horizon;
-}
-
 struct Rect {
     int x0, y0, x1, y1;
     int side() const { return std::max(x1 - x0, y1 - y0); }

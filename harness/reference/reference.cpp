@@ -75,9 +75,7 @@ std::vector<std::uint32_t> pixelsInTileOrder(const GBuffer& gbuffer) {
             for (int y = tileY; y < std::min(tileY + kTile, gbuffer.height); ++y)
                 for (int x = tileX; x < std::min(tileX + kTile, gbuffer.width); ++x) {
                     const auto i = static_cast<std::uint32_t>(y * gbuffer.width + x);
-                    if (gbuffer.mask[i] == PixelClass::scored ||
-                        gbuffer.mask[i] == PixelClass::horizon)
-                        pixels.push_back(i);
+                    if (isAsked(gbuffer.mask[i])) pixels.push_back(i);
                 }
     return pixels;
 }
@@ -167,9 +165,9 @@ std::vector<std::uint32_t> doubtful(const std::vector<std::uint32_t>& pixels,
             for (int x = std::max(0, x0 - kGuardRadius);
                  x <= std::min(out.width - 1, x0 + kGuardRadius); ++x) {
                 const std::size_t j = static_cast<std::size_t>(y) * out.width + x;
-                const bool traced =
-                    gbuffer.mask[j] == PixelClass::scored || gbuffer.mask[j] == PixelClass::horizon;
-                if (traced && (!constant[j] || out.visibility[j] != out.visibility[i])) return true;
+                if (isAsked(gbuffer.mask[j]) &&
+                    (!constant[j] || out.visibility[j] != out.visibility[i]))
+                    return true;
             }
         return false;
     };

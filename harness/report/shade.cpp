@@ -42,17 +42,13 @@ glm::vec3 hatching(const GBuffer& gbuffer, std::size_t pixel) {
     return glm::vec3((pixel % width + pixel / width) % 16 < 8 ? 0.10F : 0.13F);
 }
 
-bool answeredFor(PixelClass mask) {
-    return mask == PixelClass::scored || mask == PixelClass::horizon;
-}
-
 }  // namespace
 
 PictureLight pictureLight(const GBuffer& gbuffer) {
     std::vector<float> irradiances, luminances;
     for (std::size_t i = 0; i < gbuffer.size(); ++i) {
         const float irradiance = gbuffer.irradianceUnshadowed[i];
-        if (!answeredFor(gbuffer.mask[i]) || !(irradiance > 0.0F)) continue;
+        if (!isAsked(gbuffer.mask[i]) || !(irradiance > 0.0F)) continue;
         irradiances.push_back(irradiance);
         luminances.push_back(luminance(gbuffer.albedo[i]) * irradiance * glm::one_over_pi<float>());
     }
@@ -97,8 +93,8 @@ Image errorMap(const GBuffer& gbuffer, std::span<const float> visibility,
     Image image = rgbImage(gbuffer);
     for (std::size_t i = 0; i < gbuffer.size(); ++i) {
         setPixel(image, i,
-                 answeredFor(gbuffer.mask[i]) ? errorColour(visibility[i] - reference.visibility[i])
-                                              : hatching(gbuffer, i));
+                 isAsked(gbuffer.mask[i]) ? errorColour(visibility[i] - reference.visibility[i])
+                                          : hatching(gbuffer, i));
     }
     return image;
 }

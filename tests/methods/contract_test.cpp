@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/error.hpp"
+#include "core/frame/light_centre.hpp"
 #include "harness/run/settings.hpp"
 #include "tests/support/gl_fixture.hpp"
 #include "tests/support/render.hpp"
@@ -153,7 +154,7 @@ TEST_P(Contract, PointLightIsTheHardLimitInEveryQuadrant) {
                   0);
         int certain = 0, shadowed = 0;
         const int wrong = violations(frame, image, [&](float v, std::size_t i) {
-            const std::optional<bool> seen = frame.centreSeen(i, kEdgeM);
+            const std::optional<bool> seen = centreSeen(*frame, i, kEdgeM);
             certain += seen.has_value();
             shadowed += seen.has_value() && !*seen;
             return !seen || v == (*seen ? 1.0f : 0.0f);

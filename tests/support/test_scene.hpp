@@ -3,7 +3,6 @@
 #include <array>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -111,39 +110,7 @@ class TestFrame {
     const Frame* operator->() const { return &frame_; }
     EffectSet calledFor() const { return effectsCalledFor(scene_, scene_.frame(0)); }
 
-    /// Pixels that a method must answer for.
-    std::vector<std::size_t> asked() const {
-        std::vector<std::size_t> pixels;
-        for (std::size_t i = 0; i < gbuffer_.size(); ++i)
-            if (gbuffer_.mask[i] == PixelClass::scored || gbuffer_.mask[i] == PixelClass::horizon)
-                pixels.push_back(i);
-        return pixels;
-    }
-
-    /// Whether the light's centre is seen from pixel `i`; nothing where the answer changes, or is
-    /// ill-defined, within `edgeM` sideways as the light sees it.
-    std::optional<bool> centreSeen(std::size_t i, double edgeM) const {
-        const AreaLight& light = frame_.light;
-        const glm::dvec3 point(gbuffer_.position[i]), normal(gbuffer_.geometricNormal[i]);
-        constexpr int kReach = 2;
-        Tracer::Stream rays(tracer_);
-        for (int y = -kReach; y <= kReach; ++y)
-            for (int x = -kReach; x <= kReach; ++x) {
-                const glm::dvec3 sideways =
-                    edgeM / kReach *
-                    (static_cast<double>(x) * light.axisU + static_cast<double>(y) * light.axisV);
-                const glm::dvec3 direction = point + sideways - light.centre;
-                const double t =
-                    glm::dot(normal, point - light.centre) / glm::dot(normal, direction);
-                if (!(t > 0.5 && t < 2.0)) return std::nullopt;  // the surface is all but edge-on
-                const glm::vec3 beside(light.centre + t * direction);
-                rays.add(tracer_.shadowOrigin(beside, glm::vec3(normal)), glm::vec3(light.centre));
-            }
-        rays.trace();
-        for (std::size_t k = 1; k < rays.size(); ++k)
-            if (rays.blocked(k) != rays.blocked(0)) return std::nullopt;
-        return !rays.blocked(0);
-    }
+    std::vector<std::size_t> asked() const { return gbuffer_.asked(); }
 
   private:
     class MemoryScene : public Scene {

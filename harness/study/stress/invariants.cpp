@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "core/error.hpp"
+#include "core/frame/light_centre.hpp"
 #include "core/scene/input_text.hpp"
 
 namespace penumbra::stress {
@@ -112,7 +113,8 @@ Finding exact(const Trial& trial) {
 
 Finding hard(const Trial& trial) {
     return perPixel(trial, [&](std::size_t f, std::size_t i) {
-        const auto seen = trial.stages[0]->frames()[f]->centreSeen(i, trial.hardCase.edgeM);
+        const auto seen =
+            centreSeen(trial.stages[0]->frames()[f]->frame(), i, trial.hardCase.edgeM);
         return seen ? std::abs(trial.images[0][f][i] - (*seen ? 1.0 : 0.0)) : 0.0;
     });
 }

@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "core/error.hpp"
+#include "core/frame/light_centre.hpp"
 #include "core/sampling/sampling.hpp"
 #include "core/scene/input_text.hpp"
 
@@ -120,8 +121,9 @@ std::string randomValue(const Parameter& parameter, Dice& dice) {
                                      : fmt::format("{:.6g}", value);
 }
 
-/// Means over the pixels asked. Of the horizon's pixels `meanAbsolute` counts nothing: one map knows
-/// no more of the light below a receiver's plane than the hard shadow does, and as little is scored.
+/// Means over the pixels asked. Of the horizon's pixels `meanAbsolute` counts nothing: one map
+/// knows no more of the light below a receiver's plane than the hard shadow does, and as little is
+/// scored.
 struct Errors {
     double meanAbsolute = 0.0, rms = 0.0;
 };
@@ -161,7 +163,7 @@ std::optional<DrawFailure> checkHard(const Draw& draw, const StageFrame& frame,
     // A sliver that a map misses, or sees as a whole texel, is thinner than that edge.
     std::size_t wrong = 0, first = 0;
     for (const std::size_t i : frame.asked()) {
-        const auto seen = frame.centreSeen(i, edgeM);
+        const auto seen = centreSeen(frame.frame(), i, edgeM);
         if (!seen || image[i] == (*seen ? 1.0f : 0.0f)) continue;
         if (wrong++ == 0) first = i;
     }
@@ -184,8 +186,9 @@ std::optional<DrawFailure> checkTruth(const Draw& draw, const StageFrame& frame,
         if (errors.rms <= most) return std::nullopt;
         return DrawFailure{"truth", errors.rms, most, "rms error"};
     }
-    const Errors hard = errorsOf(
-        frame, [&](std::size_t i) { return frame.centreSeen(i, 0.0).value_or(false) ? 1.0 : 0.0; });
+    const Errors hard = errorsOf(frame, [&](std::size_t i) {
+        return centreSeen(frame.frame(), i, 0.0).value_or(false) ? 1.0 : 0.0;
+    });
     const double most = hard.meanAbsolute + bound.meanBeyondHard;
     if (errors.meanAbsolute <= most) return std::nullopt;
     return DrawFailure{"truth", errors.meanAbsolute, most, "mean error"};

@@ -1,11 +1,10 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <vector>
 
-#include "core/frame/frame.hpp"
 #include "harness/run/settings.hpp"
+#include "harness/run/staged_frame.hpp"
 #include "harness/run/visibility_target.hpp"
 
 namespace penumbra::stress {
@@ -14,29 +13,17 @@ namespace penumbra::stress {
 /// context.
 class StageFrame {
   public:
-    StageFrame(const Scene& scene, int index, int size, std::uint32_t seed,
-               const GpuMaterials& materials);
-    StageFrame(const StageFrame&) = delete;
-    StageFrame& operator=(const StageFrame&) = delete;
+    StageFrame(std::shared_ptr<const Scene> scene, int index, int size, std::uint32_t seed);
 
-    const Frame& frame() const { return frame_; }
-    EffectSet calledFor() const { return calledFor_; }
+    const Frame& frame() const { return staged_.frame; }
+    EffectSet calledFor() const { return staged_.calledFor; }
     /// Pixels that a method must answer for.
     const std::vector<std::size_t>& asked() const { return asked_; }
     /// Exact visibility (harness/reference/exact.hpp); made on first use.
     const std::vector<float>& exact() const;
-    /// Whether the light's centre is seen from pixel `i`; nothing where the answer changes, or is
-    /// ill-defined, within `edgeM` sideways as the light sees it.
-    std::optional<bool> centreSeen(std::size_t i, double edgeM) const;
 
   private:
-    SceneFrame sceneFrame_;
-    Tracer tracer_;
-    GBuffer gbuffer_;
-    GBufferTextures textures_;
-    GpuGeometry gpuGeometry_;
-    EffectSet calledFor_;
-    Frame frame_;
+    StagedFrame staged_;
     std::vector<std::size_t> asked_;
     mutable std::vector<float> exact_;
 };
@@ -49,9 +36,7 @@ class Stage {
     int size() const { return size_; }
 
   private:
-    std::shared_ptr<const Scene> scene_;
     int size_;
-    GpuMaterials materials_;
     std::vector<std::unique_ptr<StageFrame>> frames_;
 };
 
