@@ -49,9 +49,9 @@ std::string EffectSet::text() const {
 
 EffectChoice EffectChoice::parse(const std::string& text) {
     if (text == "auto") return {};
-    if (text == "all") return {false, EffectSet::all()};
-    if (text == "none") return {false, {}};
-    EffectChoice choice{false, {}};
+    if (text == "all") return {false, EffectSet::all(), true};
+    if (text == "none") return {false, {}, false};
+    EffectChoice choice{false, {}, false};
     std::size_t begin = 0;
     while (true) {
         const std::size_t comma = text.find(',', begin);
@@ -78,7 +78,7 @@ EffectSet effectsCalledFor(const Scene& scene, const SceneFrame& frame) {
 
 Plan planFor(const EffectChoice& choice, const EffectSet& calledFor, const EffectSet& canSimulate) {
     const EffectSet called = choice.automatic ? calledFor : choice.forced;
-    return {called & canSimulate, canSimulate - called, called - canSimulate};
+    return {called & canSimulate, canSimulate - called, called - canSimulate, choice.everyPixel};
 }
 
 }  // namespace penumbra

@@ -63,6 +63,9 @@ struct Plan {
     EffectSet simulated;  ///< called for and simulated
     EffectSet skipped;    ///< the method could, the frame does not call for it
     EffectSet missing;    ///< called for, beyond the method
+    /// Every pixel gets all of the work, even where a conservative test (PixelClasses and its like)
+    /// could answer for it: `--effects all`.
+    bool everyPixel = false;
     bool has(Effect e) const { return simulated.has(e); }
     bool operator==(const Plan&) const = default;
 };
@@ -72,6 +75,7 @@ struct Plan {
 struct EffectChoice {
     bool automatic = true;
     EffectSet forced;
+    bool everyPixel = false;  ///< `all`: nothing is left out at any pixel either
     static EffectChoice parse(const std::string& text);
 };
 
