@@ -8,14 +8,16 @@
 // evaluation's fetches or are made at few pixels.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
 #include "core/passes/accumulation_buffer.hpp"
 #include "core/passes/light_maps.hpp"
-#include "core/passes/lit_tiles.hpp"
 #include "core/passes/map_comparison.hpp"
+#include "core/passes/pixel_classes.hpp"
 #include "core/sampling/light_refinement.hpp"
+#include "core/sampling/light_tree_picture.hpp"
 #include "methods/map_bias.hpp"
 #include "methods/shadow_method.hpp"
 
@@ -98,10 +100,10 @@ class AdaptiveLightSampled : public ShadowMethod {
                                 "the comparisons' bits (where all pixels have them, else array)"};
     BoolParameter skipDecided_{
         this, "skip_decided", true,
-        "tiles of 4 x 4 pixels that no caster in a map from the light's centre can shadow, from "
-        "any point of the light, are lit: neither compared (in the camera's space) nor looked up "
-        "(evaluation in one array); not where casters near the light or receivers far aside make "
-        "that map too wide"};
+        "tiles of 4 x 4 pixels that no triangle can shadow, from any point of the light, are lit: "
+        "neither compared (in the camera's space) nor looked up (evaluation in one array); not "
+        "where "
+        "receivers are far aside and a map has five tiles"};
     BoolParameter reuse_{this, "reuse", false,
                          "refinement starts where the previous frame's ended, less what that could "
                          "have done without; the image then depends on the frames before"};
@@ -123,13 +125,16 @@ class AdaptiveLightSampled : public ShadowMethod {
     }
 
     void prepare(const Scene&, const Plan& plan) override {
-        maps_ = LightMaps(plan.has(Effect::alpha_mask));
-        oneMap_ = gl::Program::graphics("light_sampled.glsl", {"PASS_ONE_MAP"});
-        if (!plan.has(Effect::penumbra)) return;
-        all_ = evaluation("light_sampled.glsl", "PASS_ALL");
+        maps_ = LightMaps(plan);
+        plan_ = plan;
+        if (!plan.has(Effect::penumbra)) {
+            oneMap_ = evaluation("light_sampled.glsl", {"PASS_ONE_MAP"});
+            return;
+        }
+        all_ = evaluation("light_sampled.glsl", {"PASS_ALL"});
         if (skips()) {
-            lit_ = LitTiles(plan.has(Effect::alpha_mask));
-            shadeUndecided_ = evaluation("adaptive_light_sampled.glsl", "PASS_SHADE_UNDECIDED");
+            classes_ = PixelClasses::decided();
+            undecided_ = evaluation("light_sampled.glsl", {"PASS_ALL", "UNDECIDED_TILES"});
         }
         if (bits()) {
             mark_ = comparison({"PASS_MARK_BITS"});
@@ -144,10 +149,10 @@ class AdaptiveLightSampled : public ShadowMethod {
             if (space_.is("light")) centreMap_ = DepthPass(plan.has(Effect::alpha_mask));
         }
         if (shadedFromBits())
-            shadeBits_ = evaluation("adaptive_light_sampled.glsl", "PASS_SHADE_BITS");
+            shadeBits_ = evaluation("adaptive_light_sampled.glsl", {"PASS_SHADE_BITS"});
         if (!evaluation_.is("buffer")) return;
-        add_ = evaluation("light_sampled.glsl", "PASS_ADD");
-        resolve_ = evaluation("light_sampled.glsl", "PASS_RESOLVE");
+        add_ = evaluation("light_sampled.glsl", {"PASS_ADD"});
+        resolve_ = evaluation("light_sampled.glsl", {"PASS_RESOLVE"});
     }
 
     void build(const Frame& frame, const Plan& plan) override {
@@ -156,7 +161,7 @@ class AdaptiveLightSampled : public ShadowMethod {
         maps_.fit(frame, mapSize_, !hard_);
         if (hard_) return maps_.render(frame, std::vector<LightSample>(1));
         const gl::DebugGroup group("adaptive_light_sampled: refine");
-        if (skips()) lit_.classify(frame, mapSize_, static_cast<float>(bias_));
+        findLitTiles(frame);
         refine(frame);
         maps_.setWeights(finalWeights());
     }
@@ -168,31 +173,57 @@ class AdaptiveLightSampled : public ShadowMethod {
         if (!hard_ && evaluation_.is("buffer")) return accumulate(frame, target);
         const gl::DebugGroup group("adaptive_light_sampled: evaluate");
         const bool fromBits = !hard_ && shadedFromBits();
-        const bool undecided = !hard_ && skips() && lit_.usable();
+        const bool undecided = !hard_ && tilesFound_;
         const gl::Program& program = hard_       ? oneMap_
                                      : fromBits  ? shadeBits_
-                                     : undecided ? shadeUndecided_
+                                     : undecided ? undecided_
                                                  : all_;
         drawn(program);
         if (fromBits) bits_.bind();
         if (!undecided) return target.draw(program, frame.gbufferTextures);
-        lit_.classes().shade(program, frame);
-        target.draw(lit_.classes().answers(), frame.gbufferTextures);
+        classes_.shade(program, frame);
+        target.draw(classes_.answers(), frame.gbufferTextures);
     }
 
     WorkCounters counters() const override {
         const int maps = maps_.count() * maps_.tileCount() + centreMap_.map().layers();
         const double texels = static_cast<double>(mapSize_) * mapSize_;
-        return {maps + lit_.maps(), maps * texels + lit_.texels(),
-                maps_.mebibytes() + centreMap_.map().mebibytes() + lit_.mebibytes() +
+        return {maps, maps * texels,
+                maps_.mebibytes() + centreMap_.map().mebibytes() + classes_.mebibytes() +
                     sum_.mebibytes() + bits_.mebibytes() + collected_.mebibytes(),
                 hard_ ? "" : refinement_.summary()};
+    }
+    std::vector<NamedTexture> textures() const override {
+        std::vector<NamedTexture> list;
+        if (!hard_)
+            list.push_back({"tree over the light: depth of its leaves", nullptr,
+                            std::make_shared<const Image>(leafDepths(refinement_.tree(), 256))});
+        list.push_back({"shadow maps of the samples, near / z", &maps_.texture()});
+        list.push_back({"map of the light's centre", &centreMap_.map()});
+        list.push_back({"sum over the samples", &sum_.sum()});
+        return list;
     }
 
   private:
     bool bits() const { return countBy_.is("bits") && compare_.is("tight") && space_.is("camera"); }
     bool shadedFromBits() const { return bits() && evaluation_.is("bits") && stride_ == 1; }
-    bool skips() const { return skipDecided_ && space_.is("camera") && !shadedFromBits(); }
+    bool skips() const {
+        // Without bias maps may let a surface shadow itself, which no geometry tells.
+        const bool clear = bias_ > 0.0 || !plan_.has(Effect::self_shadow);
+        return !plan_.everyPixel && clear && skipDecided_ && space_.is("camera") &&
+               !shadedFromBits();
+    }
+
+    void findLitTiles(const Frame& frame) {
+        tilesFound_ = skips() && maps_.tileCount() == 1;
+        if (!tilesFound_) return;
+        tiles_.build(frame, maps_.casters());
+        tiles_.find(frame, maps_.half(), maps_.reachTangent(kernel()));
+        classes_.decide(frame, tiles_);
+    }
+
+    /// Texels across that one map is looked up in.
+    int kernel() const { return std::array{1, 2, 3, 5}[static_cast<std::size_t>(pcf_.index())]; }
 
     /// Whether pixels that may differ are collected once for all queries: where neither the
     /// receiver's plane nor the tile it is in matters.
@@ -200,15 +231,15 @@ class AdaptiveLightSampled : public ShadowMethod {
 
     gl::Program comparison(std::vector<std::string> defines) const {
         if (skips()) defines.emplace_back("SKIP_LIT_TILES");
-        return gl::Program::graphics("adaptive_light_sampled.glsl", defines);
+        return gl::Program::graphics("adaptive_light_sampled.glsl",
+                                     MapBias::defines(plan_, std::move(defines)));
     }
 
-    gl::Program evaluation(const char* file, const char* pass) const {
-        std::vector<std::string> defines = {pass};
+    gl::Program evaluation(const char* file, std::vector<std::string> defines) const {
         if (pcf_.is("2x2")) defines.emplace_back("LIGHT_MAPS_PCF");
         if (pcf_.is("3x3")) defines.emplace_back("LIGHT_MAPS_KERNEL 3");
         if (pcf_.is("5x5")) defines.emplace_back("LIGHT_MAPS_KERNEL 5");
-        return gl::Program::graphics(file, defines);
+        return gl::Program::graphics(file, MapBias::defines(plan_, std::move(defines)));
     }
 
     std::vector<std::string> comparisonDefines() const {
@@ -224,7 +255,7 @@ class AdaptiveLightSampled : public ShadowMethod {
     void drawn(const gl::Program& program) const {
         program.use();
         maps_.bind(program);
-        program.set("biasTexels", static_cast<float>(bias_));
+        bias_.set(program, plan_);
     }
 
     using Part = LightRefinement::Part;
@@ -259,7 +290,7 @@ class AdaptiveLightSampled : public ShadowMethod {
         std::vector<MapComparison> comparisons;
         std::vector<std::size_t> partOf;
         for (std::size_t i = 0; i < parts.size(); ++i)
-            for (const MapComparison& comparison : comparisonsOf(parts[i].leaf)) {
+            for (const MapComparison& comparison : comparisonsOf(parts[i].leaf, pairs_.is("all"))) {
                 comparisons.push_back(comparison);
                 partOf.push_back(i);
             }
@@ -272,19 +303,6 @@ class AdaptiveLightSampled : public ShadowMethod {
             if (criterion_.is("visibility")) error = std::sqrt(error) * tree.area(part.leaf);
             part.error = std::max(part.error, error);
         }
-    }
-
-    std::vector<MapComparison> comparisonsOf(const LightTree::Leaf& leaf) const {
-        const auto& [a, b, c, d] = leaf.corners;
-        std::vector<MapComparison> comparisons;
-        if (pairs_.is("all")) {
-            comparisons.push_back({a, b, c, d});
-        } else {
-            comparisons.push_back({a, d, a, d});
-            if (a != b && a != c) comparisons.push_back({b, c, b, c});
-        }
-        if (leaf.centre >= 0) comparisons.push_back({a, leaf.centre, a, leaf.centre});
-        return comparisons;
     }
 
     bool byTile() const { return criterion_.is("visibility") || criterion_.is("worst_tile"); }
@@ -357,25 +375,15 @@ class AdaptiveLightSampled : public ShadowMethod {
     }
 
     void bindTiles(const gl::Program& program) const {
-        program.set("tilesDecided", lit_.usable() ? 1 : 0);
-        if (lit_.usable()) lit_.classes().bind();
+        program.set("tilesDecided", tilesFound_ ? 1 : 0);
+        if (tilesFound_) classes_.bind();
     }
 
-    /// Scaled so that leaf areas are whole numbers and equals 1, whose sums are exact.
     std::vector<float> finalWeights() const {
         using enum LightTreeWeights;
-        const LightTreeWeights kind = weights_.is("leaf_area")     ? leafArea
-                                      : weights_.is("local_depth") ? localDepth
-                                                                   : equal;
-        const LightTree& tree = refinement_.tree();
-        const std::vector<double> weights = tree.weights(kind);
-        const double unit = kind == leafArea ? tree.leafAreaUnit() : std::ranges::min(weights);
-        std::vector<float> scaled;
-        for (const double weight : weights) {
-            const double units = weight / unit;
-            scaled.push_back(static_cast<float>(kind == leafArea ? std::round(units) : units));
-        }
-        return scaled;
+        return unitWeights(refinement_.tree(), weights_.is("leaf_area")     ? leafArea
+                                               : weights_.is("local_depth") ? localDepth
+                                                                            : equal);
     }
 
     void accumulate(const Frame& frame, const VisibilityTarget& target) {
@@ -402,12 +410,14 @@ class AdaptiveLightSampled : public ShadowMethod {
     QueriedComparison queries_;
     CollectedReceivers collected_;
     ShadowBits bits_;
-    LitTiles lit_;
+    LitTiles tiles_;
+    PixelClasses classes_;
     AccumulationBuffer sum_;
     gl::Program oneMap_, all_, add_, resolve_, differ_, collect_, differCollected_, mark_,
-        shadeBits_, shadeUndecided_;
+        shadeBits_, undecided_;
     Camera builtFor_;
-    bool hard_ = false;
+    bool hard_ = false, tilesFound_ = false;
+    Plan plan_;
 };
 
 const Register<AdaptiveLightSampled> entry{"adaptive_light_sampled", "Adaptive light sampling",

@@ -2,6 +2,10 @@
 // (METHODS.md 1). The light's extent is ignored, so every penumbra is wrong by up to one half; it
 // is the baseline for cost and the limit that every soft method must reach as the light shrinks.
 // Edges show the map's texels.
+//
+// Without self_shadow the map holds only the parts that cast and nothing is biased. Thin and
+// layered casters are one texel like any other: nothing to save. Pixels are one comparison each,
+// which is less than any test that could spare it.
 
 #include "core/gl/program.hpp"
 #include "core/passes/depth_pass.hpp"
@@ -27,24 +31,27 @@ class Hard : public ShadowMethod {
     }
 
     void prepare(const Scene&, const Plan& plan) override {
-        depth_ = DepthPass(plan.has(Effect::alpha_mask));
-        program_ = gl::Program::graphics("hard.glsl");
+        depth_ = DepthPass(plan.has(Effect::alpha_mask), !plan.has(Effect::self_shadow));
+        program_ = gl::Program::graphics("hard.glsl", MapBias::defines(plan));
     }
 
     void build(const Frame& frame, const Plan&) override {
         depth_.render(frame, LightView::fit(frame, glm::dvec2(0.0), mapSize_), mapSize_);
     }
 
-    void shade(const Frame& frame, const Plan&, const VisibilityTarget& target) override {
+    void shade(const Frame& frame, const Plan& plan, const VisibilityTarget& target) override {
         const gl::DebugGroup group("hard: compare");
         program_.use();
         depth_.bind(program_, 0);
-        program_.set("biasTexels", static_cast<float>(bias_));
+        bias_.set(program_, plan);
         target.draw(program_, frame.gbufferTextures);
     }
 
     WorkCounters counters() const override {
         return {depth_.map().layers(), depth_.texels(), depth_.map().mebibytes(), ""};
+    }
+    std::vector<NamedTexture> textures() const override {
+        return {{"shadow map, near / z", &depth_.map()}};
     }
 
   private:

@@ -6,6 +6,12 @@
 // hard shadow. It fails by banding: a penumbra shows n edges (sqrt n under a straight caster's edge
 // when the points lie in rows) spaced by its width over as many; and every map's bias moves its own
 // contact, which sums to a soft peter-panning.
+//
+// A plan saves what can change no comparison: triangles that no map shows at a receiver (closed
+// bodies have one side only; thin_casters are drawn from both), parts that cast nothing where
+// self_shadow is off, and the lookups of tiles that nothing can shadow (LitTiles). Dark tiles are
+// looked up: that a map from every point is blocked cannot be told for less than looking. Nothing
+// is saved on layered_casters, for a map keeps one layer however many there are.
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +19,7 @@
 #include "core/gl/program.hpp"
 #include "core/passes/accumulation_buffer.hpp"
 #include "core/passes/light_maps.hpp"
+#include "core/passes/pixel_classes.hpp"
 #include "core/sampling/sampling.hpp"
 #include "methods/map_bias.hpp"
 #include "methods/shadow_method.hpp"
@@ -66,12 +73,18 @@ class LightSampled : public ShadowMethod {
     }
 
     void prepare(const Scene&, const Plan& plan) override {
-        maps_ = LightMaps(plan.has(Effect::alpha_mask));
-        oneMap_ = gl::Program::graphics("light_sampled.glsl", {"PASS_ONE_MAP"});
-        if (!plan.has(Effect::penumbra)) return;
-        all_ = program("PASS_ALL");
-        add_ = program("PASS_ADD");
-        resolve_ = program("PASS_RESOLVE");
+        plan_ = plan;
+        maps_ = LightMaps(plan);
+        if (!plan.has(Effect::penumbra)) {
+            oneMap_ = program({"PASS_ONE_MAP"});
+            return;
+        }
+        all_ = program({"PASS_ALL"});
+        add_ = program({"PASS_ADD"});
+        resolve_ = program({"PASS_RESOLVE"});
+        if (plan.everyPixel) return;
+        undecided_ = program({"PASS_ALL", "UNDECIDED_TILES"});
+        classes_ = PixelClasses::decided();
     }
 
     void build(const Frame& frame, const Plan& plan) override {
@@ -80,11 +93,25 @@ class LightSampled : public ShadowMethod {
         maps_.fit(frame, mapSize_, !hard_);
         perPass_ = accumulation_.is("array") ? maps_.capacity() : 1;
         if (points_.size() <= perPass_) maps_.render(frame, points_);
+        // Without bias maps may let a surface shadow itself, which no geometry tells.
+        const bool clear = bias_ > 0.0 || !plan.has(Effect::self_shadow);
+        skips_ = !hard_ && !plan.everyPixel && clear && points_.size() <= perPass_ &&
+                 maps_.tileCount() == 1;
+        if (!skips_) return;
+        tiles_.build(frame, maps_.casters());
+        classify(frame);
     }
 
     void shade(const Frame& frame, const Plan&, const VisibilityTarget& target) override {
         if (points_.size() > perPass_) return accumulate(frame, target);
         const gl::DebugGroup group("light_sampled: compare");
+        if (skips_) {
+            // Light space may have stayed as it was while the camera moved.
+            if (!tiles_.isFor(frame.camera)) classify(frame);
+            drawn(undecided_);
+            classes_.shade(undecided_, frame);
+            return target.draw(classes_.answers(), frame.gbufferTextures);
+        }
         drawn(hard_ ? oneMap_ : all_);
         target.draw(hard_ ? oneMap_ : all_, frame.gbufferTextures);
     }
@@ -92,20 +119,29 @@ class LightSampled : public ShadowMethod {
     WorkCounters counters() const override {
         const int maps = static_cast<int>(points_.size()) * maps_.tileCount();
         const double texels = static_cast<double>(mapSize_) * mapSize_;
-        return {maps, maps * texels, maps_.mebibytes() + sum_.mebibytes(), ""};
+        return {maps, maps * texels, maps_.mebibytes() + sum_.mebibytes() + classes_.mebibytes(),
+                ""};
+    }
+    std::vector<NamedTexture> textures() const override {
+        return {{"shadow maps of the samples, near / z", &maps_.texture()},
+                {"sum over the samples", &sum_.sum()}};
     }
 
   private:
-    gl::Program program(const char* pass) const {
-        std::vector<std::string> defines = {pass};
+    gl::Program program(std::vector<std::string> defines) const {
         if (pcf_) defines.emplace_back("LIGHT_MAPS_PCF");
-        return gl::Program::graphics("light_sampled.glsl", defines);
+        return gl::Program::graphics("light_sampled.glsl", MapBias::defines(plan_, defines));
     }
 
     void drawn(const gl::Program& program) const {
         program.use();
         maps_.bind(program);
-        program.set("biasTexels", static_cast<float>(bias_));
+        bias_.set(program, plan_);
+    }
+
+    void classify(const Frame& frame) {
+        tiles_.find(frame, maps_.half(), maps_.reachTangent(pcf_ ? 2 : 1));
+        classes_.decide(frame, tiles_);
     }
 
     /// More maps than one array holds: rendered into the same layers and added up in turn.
@@ -179,10 +215,13 @@ class LightSampled : public ShadowMethod {
 
     LightMaps maps_;
     AccumulationBuffer sum_;
-    gl::Program oneMap_, all_, add_, resolve_;
+    LitTiles tiles_;
+    PixelClasses classes_;
+    gl::Program oneMap_, all_, add_, resolve_, undecided_;
     std::vector<LightSample> points_;
     std::size_t perPass_ = 1;
-    bool hard_ = false;
+    Plan plan_;
+    bool hard_ = false, skips_ = false;
 };
 
 const Register<LightSampled> entry{"light_sampled", "Light-sampled shadow maps",

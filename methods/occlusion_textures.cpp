@@ -19,22 +19,32 @@
 // thinner than a texel come and go, and a sheet edge-on to the centre of projection has no shadow
 // at all (cop_distance moves it). Slices are parallel to the light however it is tilted; all
 // receivers must fit one frustum from behind it, and where they do not the method is unsupported.
+//
+// What a frame does not call for: tiles of pixels for whom all slices are empty and the map shows
+// no contact, or one slice is full, are answered and not shaded (not under --effects all, and only
+// with the table, whose counts are exact). Without self_shadow there are no map and no comparisons
+// where casters keep off the receivers by three slices; bias and fade stay, for they move what
+// kernels see of casters, too. Slices without casters exist under no plan: of one caster alone in
+// its slice nothing is left to save without layered_casters. Bodies are filled where they cross a
+// boundary, thin or not, for a solid's surface leaks there as well; where none does nothing is
+// filled.
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "core/frame/casters.hpp"
 #include "core/passes/count_table.hpp"
 #include "core/passes/depth_pass.hpp"
+#include "core/passes/fill_depths.hpp"
 #include "core/passes/n_buffers.hpp"
+#include "core/passes/pixel_classes.hpp"
 #include "core/passes/slice_pass.hpp"
 #include "methods/shadow_method.hpp"
 
 namespace penumbra {
 namespace {
 
-constexpr GLuint kOcclusionUnit = 1;  // shaders/occlusion_textures.glsl
+constexpr GLuint kOcclusionUnit = 4;  // shaders/occlusion_textures.glsl
 
 class OcclusionTextures : public ShadowMethod {
     IntParameter mapSize_{this, "map_size", 512, 16, 2048, "texels", "side of the textures"};
@@ -127,11 +137,12 @@ class OcclusionTextures : public ShadowMethod {
         if (!plan.has(Effect::penumbra)) return;
         slicePass_ = SlicePass(
             slices_, targets_.is("bits") ? SliceTargets::bits : SliceTargets::channels, alphaMask);
-        table_ = CountTable::create();
-        buffers_ = NBuffers::create();
-        for (const Prefilter filter : {Prefilter::sat, Prefilter::nBuffers, Prefilter::mipmap})
-            if (mayUse(filter)) program(filter) = shadeProgram(filter);
-        if (fillsSome()) casters_ = Casters::find(*scene.frame(0).geometry);
+        answersTiles_ = earlyOuts_ && mayUse(sat) && !plan.everyPixel;
+        if (mayUse(sat)) table_ = CountTable::create();
+        if (mayUse(nBuffers)) buffers_ = NBuffers::create();
+        if (hasContact()) soft_[true] = compile(true);
+        if (!hasContact() || !plan.has(Effect::self_shadow)) soft_[false] = compile(false);
+        if (fillsSome()) fill_ = FillDepths(*scene.frame(0).geometry);
     }
 
     void build(const Frame& frame, const Plan& plan) override {
@@ -146,63 +157,96 @@ class OcclusionTextures : public ShadowMethod {
             // Kernels within a texel tell nothing that the hard map does not tell better.
             soften_ = widestKernelTexels(frame) > 1.0;
         }
-        if (!soften_ || hasContact())
+        touches_ =
+            soften_ && hasContact() && (plan.has(Effect::self_shadow) || castersComeNear(frame));
+        if (!soften_ || touches_)
             depth_.render(frame, LightView::fit(frame, glm::dvec2(0.0), mapSize_), mapSize_);
         if (!soften_) return;
         used_ = choosePrefilter(frame);
-        slicePass_.render(frame, view_, fill(frame), mapSize_);
+        renderSlices(frame);
         prefilter(frame);
     }
 
     void shade(const Frame& frame, const Plan&, const VisibilityTarget& target) override {
         const gl::DebugGroup group("occlusion textures: shade");
-        const gl::Program& shader = soften_ ? program(used_) : hard_;
-        shader.use();
-        shader.set(*this);
-        if (!soften_ || hasContact()) depth_.bind(shader, 0);
-        shader.set("biasTexels", 0.5f);  // method hard's default
-        if (soften_) setView(shader, frame.light);
+        Soft& soft = soft_[touches_];
+        const gl::Program& shader = soften_ ? soft.shade[used_] : hard_;
+        if (answersTiles()) {
+            setUp(soft.tiles.test(), frame.light);
+            soft.tiles.classify(frame);
+            setUp(shader, frame.light);
+            soft.tiles.shade(shader, frame);
+            target.draw(soft.tiles.answers(), frame.gbufferTextures);
+            return;
+        }
+        setUp(shader, frame.light);
         target.draw(shader, frame.gbufferTextures);
     }
 
     WorkCounters counters() const override {
         if (!soften_) return {depth_.map().layers(), depth_.texels(), depth_.map().mebibytes(), ""};
-        const double texels = static_cast<double>(mapSize_) * mapSize_ * slices_;
-        const int maps = hasContact() ? depth_.map().layers() : 0;
-        return {1 + maps, texels + (hasContact() ? depth_.texels() : 0.0),
+        const double texels = static_cast<double>(mapSize_) * mapSize_ * slicePass_.used();
+        const int maps = touches_ ? depth_.map().layers() : 0;
+        return {1 + maps, texels + (touches_ ? depth_.texels() : 0.0),
                 depth_.map().mebibytes() + slicePass_.mebibytes() + table_.mebibytes() +
-                    buffers_.mebibytes() + fillDepths_.mebibytes(),
+                    buffers_.mebibytes() + fill_.mebibytes() + soft_[touches_].tiles.mebibytes(),
                 ""};
+    }
+    std::vector<NamedTexture> textures() const override {
+        return {{"shadow map, near / z", &depth_.map()},
+                {"slices", &slicePass_.channels()},
+                {"slices as bits", &slicePass_.bits()},
+                {"N-buffers", &buffers_.texture()},
+                {"summed-area table of counts", &table_.planes()}};
     }
 
   private:
-    enum class Prefilter { sat, nBuffers, mipmap };
-
-    gl::Program& program(Prefilter filter) { return soft_[static_cast<std::size_t>(filter)]; }
+    enum Prefilter { sat, nBuffers, mipmap };
+    /// What looks slices up.
+    struct Soft {
+        std::array<gl::Program, 3> shade;  ///< by Prefilter
+        PixelClasses tiles;
+    };
 
     bool mayUse(Prefilter filter) const {
         switch (filter) {
-            case Prefilter::sat:
+            case sat:
                 return prefilter_.is("sat") || prefilter_.is("auto");
-            case Prefilter::nBuffers:
+            case nBuffers:
                 return prefilter_.is("n_buffers") || prefilter_.is("auto");
-            case Prefilter::mipmap:
+            case mipmap:
                 return prefilter_.is("mipmap");
         }
         return false;
     }
 
-    gl::Program shadeProgram(Prefilter filter) const {
+    /// The last build's slices can answer tiles. Only the table knows which texels are covered:
+    /// means of N-buffers and mip levels are rounded.
+    bool answersTiles() const { return soften_ && answersTiles_ && used_ == sat; }
+
+    Soft compile(bool contact) const {
         std::vector<std::string> defines = {"SLICES " + slices_.text(), "CELLS " + cells_.text()};
         std::string rule = combination_.text();
         std::ranges::transform(rule, rule.begin(), [](char c) { return std::toupper(c); });
         defines.push_back("COMBINE_" + rule);
         if (!thinCasters_.is("none")) defines.emplace_back("FILLED");
-        if (hasContact()) defines.emplace_back("CONTACT");
+        if (contact) defines.emplace_back("CONTACT");
         if (earlyOuts_) defines.emplace_back("EARLY_OUTS");
-        if (filter == Prefilter::sat) defines.emplace_back("PREFILTER_SAT");
-        if (filter == Prefilter::nBuffers) defines.emplace_back("PREFILTER_N_BUFFERS");
-        return gl::Program::graphics("occlusion_textures.glsl", defines);
+        const auto program = [&](std::initializer_list<const char*> more) {
+            std::vector<std::string> all = defines;
+            all.insert(all.end(), more.begin(), more.end());
+            return gl::Program::graphics("occlusion_textures.glsl", all);
+        };
+        Soft soft;
+        if (answersTiles_) {
+            soft.shade[sat] = program({"PREFILTER_SAT", "UNDECIDED_TILES"});
+            soft.tiles = PixelClasses::create(program({"PREFILTER_SAT", "PASS_CLASSIFY"}));
+        } else if (mayUse(sat)) {
+            soft.shade[sat] = program({"PREFILTER_SAT"});
+        }
+        if (mayUse(nBuffers)) soft.shade[nBuffers] = program({"PREFILTER_N_BUFFERS"});
+        if (mayUse(mipmap)) soft.shade[mipmap] = program({});
+        return soft;
     }
 
     static int levelsOf(double texels) {
@@ -225,16 +269,14 @@ class OcclusionTextures : public ShadowMethod {
     /// The table costs the same for any kernel, N-buffers as much as their levels: two of them are
     /// cheaper than the table.
     Prefilter choosePrefilter(const Frame& frame) const {
-        if (prefilter_.is("mipmap")) return Prefilter::mipmap;
-        if (prefilter_.is("n_buffers")) return Prefilter::nBuffers;
+        if (prefilter_.is("mipmap")) return mipmap;
+        if (prefilter_.is("n_buffers")) return nBuffers;
         constexpr double kNarrowTexels = 2.0;
-        return prefilter_.is("auto") && widestKernelTexels(frame) <= kNarrowTexels
-                   ? Prefilter::nBuffers
-                   : Prefilter::sat;
+        return prefilter_.is("auto") && widestKernelTexels(frame) <= kNarrowTexels ? nBuffers : sat;
     }
 
     void prefilter(const Frame& frame) {
-        if (used_ == Prefilter::sat) {
+        if (used_ == sat) {
             // Any place of a kernel touches up to two more texels each way, and all of them at
             // most.
             const glm::dvec2 box = glm::min(glm::ceil(widestKernel(frame)) + 2.0,
@@ -244,7 +286,7 @@ class OcclusionTextures : public ShadowMethod {
         }
         slicePass_.unpack();
         const gl::Texture& channels = slicePass_.channels();
-        if (used_ == Prefilter::nBuffers) {
+        if (used_ == nBuffers) {
             buffers_.build(channels,
                            std::min(levelsOf(widestKernelTexels(frame)) + 1, levelsOf(mapSize_)));
             return;
@@ -254,40 +296,60 @@ class OcclusionTextures : public ShadowMethod {
         glTextureParameteri(channels.id(), GL_TEXTURE_MAG_FILTER, GL_LINEAR);
     }
 
+    /// Whether some comparison with the map may find a caster: one that lies no higher than the
+    /// last slice but one above the nearest receiver, three where slices are filled (castsFrom of
+    /// the shader). Parts that cast no shadow are none.
+    bool castersComeNear(const Frame& frame) const {
+        const glm::dvec2 texelM = 1.0 / (view_.shrink(view_.farM) * mapSize_ * view_.scale);
+        const double nearestM = frame.lightBounds.whole.receiverNearM -
+                                static_cast<double>(bias_) * std::max(texelM.x, texelM.y);
+        const auto lower = view_.boundariesM.begin() + 1;
+        const auto above = std::lower_bound(lower, view_.boundariesM.end(), nearestM) - lower;
+        const int asked = thinCasters_.is("none") ? 2 : 3;
+        if (above < asked) return true;
+        const double clearM = lower[above - asked];
+        const Geometry& geometry = *frame.geometry;
+        for (std::size_t i = 0; i < geometry.parts.size(); ++i) {
+            if (!frame.casterFacts.parts[i].casts) continue;
+            const Part& part = geometry.parts[i];
+            for (std::uint32_t v = 0; v < part.indexCount; ++v) {
+                const glm::dvec3 p(geometry.positions[geometry.indices[part.firstIndex + v]]);
+                if (glm::dot(view_.axisZ, p - view_.centre) >= clearM) return true;
+            }
+        }
+        return false;
+    }
+
     bool hasContact() const { return contact_.is("hard_map"); }
     /// Some casters, by what they are and where.
     bool fillsSome() const { return thinCasters_.is("thin") || thinCasters_.is("crossing"); }
 
-    SliceFill fill(const Frame& frame) {
-        if (!fillsSome()) return {.always = thinCasters_.is("all")};
-        const std::vector<glm::vec3>& positions = frame.geometry->positions;
-        if (casters_.ofVertex.size() != positions.size()) casters_ = Casters::find(*frame.geometry);
-        const double sliceM = (view_.farM - view_.boundariesM[0]) / (slices_ + 1.0);
-        std::vector<float> deepest(casters_.thicknessM.size(), 0.0f);
-        const glm::vec3 axis(view_.axisZ), centre(view_.centre);
-        for (std::size_t v = 0; v < positions.size(); ++v)
-            deepest[casters_.ofVertex[v]] =
-                std::max(deepest[casters_.ofVertex[v]], glm::dot(axis, positions[v] - centre));
-        if (thinCasters_.is("thin"))
-            for (std::size_t c = 0; c < deepest.size(); ++c)
-                if (casters_.thicknessM[c] >= sliceM) deepest[c] = 0.0f;
-        constexpr std::size_t kWidth = 4096;
-        const std::size_t rows = std::max<std::size_t>(1, (positions.size() + kWidth - 1) / kWidth);
-        std::vector<float> depths(rows * kWidth, 0.0f);
-        for (std::size_t v = 0; v < positions.size(); ++v)
-            depths[v] = deepest[casters_.ofVertex[v]];
-        if (fillDepths_.height() != static_cast<int>(rows))
-            fillDepths_ =
-                gl::Texture::create2D(GL_R32F, static_cast<int>(kWidth), static_cast<int>(rows));
-        glTextureSubImage2D(fillDepths_.id(), 0, 0, 0, static_cast<GLsizei>(kWidth),
-                            static_cast<GLsizei>(rows), GL_RED, GL_FLOAT, depths.data());
-        return {.always = false, .depthM = &fillDepths_};
+    void renderSlices(const Frame& frame) {
+        drawn_ = slicesWithCasters(view_, *frame.geometry);
+        SliceFill fill{.always = thinCasters_.is("all")};
+        if (fill.always) drawn_ |= drawn_ << 1;
+        if (fillsSome()) {
+            fill = fill_.find(*frame.geometry, view_,
+                              thinCasters_.is("thin") ? FillDepths::Bodies::thinnerThanASlice
+                                                      : FillDepths::Bodies::any);
+            drawn_ |= fill_.filled();
+        }
+        slicePass_.render(frame, view_, fill, mapSize_, drawn_);
+    }
+
+    /// Uses a program with all that it reads but the G-buffer and tiles.
+    void setUp(const gl::Program& shader, const AreaLight& light) const {
+        shader.use();
+        shader.set(*this);
+        if (!soften_ || touches_) depth_.bind(shader, 0);
+        shader.set("biasTexels", 0.5f);  // method hard's default
+        if (soften_) setView(shader, light);
     }
 
     void setView(const gl::Program& shader, const AreaLight& light) const {
-        if (used_ == Prefilter::sat)
+        if (used_ == sat)
             table_.planes().bind(kOcclusionUnit);
-        else if (used_ == Prefilter::nBuffers)
+        else if (used_ == nBuffers)
             buffers_.texture().bind(kOcclusionUnit);
         else
             slicePass_.channels().bind(kOcclusionUnit);
@@ -303,25 +365,31 @@ class OcclusionTextures : public ShadowMethod {
         shader.set("uvOffset", glm::vec2(view_.offset));
         shader.set("mapSize", static_cast<int>(mapSize_));
         const std::size_t count = view_.planesM.size();
+        int used = 0;
         for (std::size_t k = 0; k < count; ++k) {
             const double lower = view_.boundariesM[k + 1],
                          next = k + 2 <= count ? view_.boundariesM[k + 2] : view_.farM;
-            shader.set(("slices[" + std::to_string(k) + "]").c_str(),
-                       glm::vec3(view_.planesM[k], lower, 1.0 / (next - lower)));
+            shader.set(("lowerM[" + std::to_string(k) + "]").c_str(), static_cast<float>(lower));
+            if (drawn_ >> k & 1)
+                shader.set(("slices[" + std::to_string(used++) + "]").c_str(),
+                           glm::vec4(view_.planesM[k], lower, 1.0 / (next - lower), k));
         }
+        shader.set("used", used);
     }
 
     DepthPass depth_;
     SlicePass slicePass_;
     CountTable table_;
     NBuffers buffers_;
-    Casters casters_;
-    gl::Texture fillDepths_;
+    FillDepths fill_;
     gl::Program hard_;
-    std::array<gl::Program, 3> soft_;  ///< by Prefilter
+    std::array<Soft, 2> soft_;  ///< without and with comparisons with the map
     SliceView view_;
-    Prefilter used_ = Prefilter::sat;
-    bool soften_ = false;  ///< the last build made slices
+    SliceSet drawn_ = 0;  ///< slices that something may be drawn into
+    Prefilter used_ = sat;
+    bool answersTiles_ = false;  ///< where the table is used
+    bool soften_ = false;        ///< the last build made slices
+    bool touches_ = false;       ///< and a map that is compared with
 };
 
 const Register<OcclusionTextures> entry{"occlusion_textures", "Occlusion textures",

@@ -5,6 +5,11 @@
 // penumbra has one width whatever the distances, so it is too wide at contacts and too narrow far
 // from the caster; kernels wider than a caster's detail step over it, and on concave or twisted
 // surfaces a kernel wider than a facet finds the next one above its plane and shades it (spinner).
+//
+// Tiles of pixels whose taps are all lit or all dark, by a min/max pyramid of the map, are not
+// filtered, where there are several taps for each texel of the map. Without self_shadow the map
+// holds only the parts that cast and nothing is biased. Thin and layered casters are one texel like
+// any other: nothing to save.
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +17,8 @@
 
 #include "core/gl/program.hpp"
 #include "core/passes/depth_pass.hpp"
+#include "core/passes/min_max_pyramid.hpp"
+#include "core/passes/pixel_classes.hpp"
 #include "core/sampling/sampling.hpp"
 #include "methods/map_bias.hpp"
 #include "methods/shadow_method.hpp"
@@ -59,53 +66,109 @@ class Pcf : public ShadowMethod {
     }
 
     void prepare(const Scene&, const Plan& plan) override {
-        depth_ = DepthPass(plan.has(Effect::alpha_mask));
-        point_ = gl::Program::graphics("pcf.glsl", {"NO_KERNEL"});
-        if (!plan.has(Effect::penumbra)) return;
-        std::vector<std::string> defines;
+        depth_ = DepthPass(plan.has(Effect::alpha_mask), !plan.has(Effect::self_shadow));
+        if (!plan.has(Effect::penumbra)) return compilePoint(plan);
+        std::vector<std::string> defines = MapBias::defines(plan);
         if (compare_.is("hardware")) defines.emplace_back("COMPARE_HARDWARE");
         if (rotation_) defines.emplace_back("ROTATION");
         if (pattern_.is("grid")) {
-            const int side = static_cast<int>(std::sqrt(taps_ + 0.5));
-            defines.push_back("GRID_SIDE " + std::to_string(side));
+            defines.push_back("GRID_SIDE " + std::to_string(gridSide()));
         } else {
             defines.push_back("TAPS " + taps_.text());
             const std::vector<glm::uint> taps = packedTaps();
             tapBuffer_ = gl::Buffer::create(taps.size() * sizeof(glm::uint), taps.data());
         }
-        kernelProgram_ = gl::Program::graphics("pcf.glsl", defines);
+        kernelDefines_ = defines;
         comparing_ = comparingSampler();
     }
 
-    void build(const Frame& frame, const Plan&) override {
+    void build(const Frame& frame, const Plan& plan) override {
+        const bool soft = isSoft(frame, plan);
+        if (!soft && !point_) compilePoint(plan);
+        if (soft && (!kernelProgram_ || tiled_ != isWorthTiles(frame, plan)))
+            compileKernel(isWorthTiles(frame, plan));
         // A turned square reaches out by its diagonal.
-        const double reach = rotation_ && pattern_.is("grid") ? std::sqrt(2.0) : 1.0;
+        const double reach = !soft ? 0.0 : rotation_ && pattern_.is("grid") ? std::sqrt(2.0) : 1.0;
         depth_.render(frame, LightView::fit(frame, reach * kernelHalf(frame.light), mapSize_),
                       mapSize_);
+        if (soft && tiled_)
+            minMax_.build(depth_, PixelClasses::widestWindow(frame, depth_, tapsBox(frame.light)));
     }
 
     void shade(const Frame& frame, const Plan& plan, const VisibilityTarget& target) override {
         const gl::DebugGroup group("pcf: filter");
-        const bool kernel = plan.has(Effect::penumbra) && !frame.light.isPoint();
-        const gl::Program& program = kernel ? kernelProgram_ : point_;
+        const bool soft = isSoft(frame, plan);
+        if (soft && tiled_)
+            classes_.classify(frame, depth_, minMax_, bias_.texels(plan), tapsBox(frame.light));
+        const gl::Program& program = soft ? kernelProgram_ : point_;
         program.use();
         depth_.bind(program, 0);
-        program.set("biasTexels", static_cast<float>(bias_));
-        if (kernel) {
+        bias_.set(program, plan);
+        if (soft) {
             depth_.map().bind(kComparedUnit);
             glBindSampler(kComparedUnit, comparing_.id());
             glBindBufferBase(GL_UNIFORM_BUFFER, 1, tapBuffer_.id());
             program.set("kernelHalfM", glm::vec2(kernelHalf(frame.light)));
         }
-        target.draw(program, frame.gbufferTextures);
+        if (soft && tiled_) {
+            classes_.shade(program, frame);
+            target.draw(classes_.answers(), frame.gbufferTextures);
+        } else {
+            target.draw(program, frame.gbufferTextures);
+        }
         glBindSampler(kComparedUnit, 0);
     }
 
     WorkCounters counters() const override {
-        return {depth_.map().layers(), depth_.texels(), depth_.map().mebibytes(), ""};
+        return {depth_.map().layers(), depth_.texels(),
+                depth_.map().mebibytes() + minMax_.texture().mebibytes() + classes_.mebibytes(),
+                ""};
+    }
+    std::vector<NamedTexture> textures() const override {
+        return {{"shadow map, near / z", &depth_.map()}};
     }
 
   private:
+    static bool isSoft(const Frame& frame, const Plan& plan) {
+        return plan.has(Effect::penumbra) && !frame.light.isPoint();
+    }
+
+    /// Bounding a texel of the map takes as long as two taps, and half of the taps are spared.
+    bool isWorthTiles(const Frame& frame, const Plan& plan) const {
+        constexpr double kTapsPerTexel = 6.0;
+        const double taps = static_cast<double>(taps_) * frame.width() * frame.height();
+        return !plan.everyPixel && taps >= kTapsPerTexel * mapSize_ * mapSize_;
+    }
+
+    void compileKernel(bool tiled) {
+        tiled_ = tiled;
+        std::vector<std::string> defines = kernelDefines_;
+        if (tiled) {
+            minMax_ = MinMaxPyramid::create();
+            classes_ = PixelClasses::create(PixelClasses::Dark::yes, PixelClasses::Footprint::box);
+            defines.emplace_back("UNDECIDED_TILES");
+        }
+        kernelProgram_ = gl::Program::graphics("pcf.glsl", defines);
+    }
+
+    void compilePoint(const Plan& plan) {
+        point_ = gl::Program::graphics("pcf.glsl", MapBias::defines(plan, {"NO_KERNEL"}));
+    }
+
+    int gridSide() const { return static_cast<int>(std::sqrt(taps_ + 0.5)); }
+
+    /// The texels that the taps look at.
+    PixelClasses::Box tapsBox(const AreaLight& light) const {
+        // A grid's taps are the centres of its cells, and turn as one.
+        const double reach = pattern_.is("grid")
+                                 ? (1.0 - 1.0 / gridSide()) * (rotation_ ? std::sqrt(2.0) : 1.0)
+                                 : 1.0;
+        const auto kernel = static_cast<float>(reach * kernel_);
+        return {.halfM = {light.halfU, light.halfV},
+                .kernel = {kernel, kernel},
+                .padTexels = compare_.is("hardware") ? 0.5f : 0.0f};
+    }
+
     glm::dvec2 kernelHalf(const AreaLight& light) const {
         return static_cast<double>(kernel_) * glm::dvec2(light.halfU, light.halfV);
     }
@@ -125,7 +188,11 @@ class Pcf : public ShadowMethod {
     static constexpr GLuint kComparedUnit = 1;  // shaders/pcf.glsl
 
     DepthPass depth_;
+    MinMaxPyramid minMax_;
+    PixelClasses classes_;
     gl::Program point_, kernelProgram_;
+    std::vector<std::string> kernelDefines_;
+    bool tiled_ = false;  ///< kernelProgram_ runs on undecided tiles
     gl::Buffer tapBuffer_;
     gl::Sampler comparing_;
 };

@@ -15,6 +15,9 @@
 // wrong for both (layers), casters that the light's centre does not see are missing, so umbrae
 // under several layers leak, too sparse a search steps over thin casters, and a kernel that reaches
 // past a concave edge or behind a caster darkens what is lit (arcade).
+//
+// Without self_shadow the map holds only the parts that cast and nothing is biased. Thin and
+// layered casters are one texel like any other: nothing to save.
 
 #include <fmt/format.h>
 
@@ -79,16 +82,15 @@ class Pcss : public ShadowMethod {
     }
 
     void prepare(const Scene&, const Plan& plan) override {
-        depth_ = DepthPass(plan.has(Effect::alpha_mask));
-        hard_ = gl::Program::graphics("pcss.glsl");
-        if (!plan.has(Effect::penumbra)) return;
+        depth_ = DepthPass(plan.has(Effect::alpha_mask), !plan.has(Effect::self_shadow));
+        if (!plan.has(Effect::penumbra)) return compileHard(plan);
         if (!pyramid_.is("off")) minMax_ = MinMaxPyramid::create();
-        std::vector<std::string> defines = {
-            "SOFT", pattern_.is("grid") ? "PATTERN_GRID" : "PATTERN_VOGEL",
-            side("SEARCH_SIDE", blockerTaps_), side("FILTER_SIDE", filterTaps_)};
+        std::vector<std::string> defines = MapBias::defines(
+            plan, {"SOFT", pattern_.is("grid") ? "PATTERN_GRID" : "PATTERN_VOGEL",
+                   side("SEARCH_SIDE", blockerTaps_), side("FILTER_SIDE", filterTaps_)});
         if (rotation_) defines.emplace_back("ROTATION");
         if (!pyramid_.is("off")) defines.emplace_back("NARROW");
-        if (pyramid_.is("early_outs")) {
+        if (hasEarlyOuts(plan)) {
             classes_ = PixelClasses::create(PixelClasses::Dark::yes);
             defines.emplace_back("EARLY_OUTS");
         }
@@ -97,6 +99,7 @@ class Pcss : public ShadowMethod {
 
     void build(const Frame& frame, const Plan& plan) override {
         const bool soft = isSoft(frame, plan);
+        if (!soft && !hard_) compileHard(plan);
         depth_.render(frame, soft ? softView(frame) : LightView::fit(frame, {}, mapSize_),
                       mapSize_);
         if (soft && !pyramid_.is("off")) minMax_.build(depth_);
@@ -105,20 +108,21 @@ class Pcss : public ShadowMethod {
     void shade(const Frame& frame, const Plan& plan, const VisibilityTarget& target) override {
         const gl::DebugGroup group("pcss: search and filter");
         const bool soft = isSoft(frame, plan);
-        const gl::Program& program = soft ? soft_ : hard_;
-        if (soft && pyramid_.is("early_outs"))
-            classes_.classify(frame, depth_, minMax_, static_cast<float>(bias_),
+        const bool earlyOuts = soft && hasEarlyOuts(plan);
+        if (earlyOuts)
+            classes_.classify(frame, depth_, minMax_, bias_.texels(plan),
                               {static_cast<float>(minKernel_), static_cast<float>(maxKernel_)});
+        const gl::Program& program = soft ? soft_ : hard_;
         program.use();
         depth_.bind(program, 0);
-        program.set("biasTexels", static_cast<float>(bias_));
+        bias_.set(program, plan);
         if (soft) {
             if (!pyramid_.is("off")) minMax_.bind(program);
             setFootprint(program, frame.light);
             program.set("seed", frame.seed);
             program.set(*this);
         }
-        if (soft && pyramid_.is("early_outs")) {
+        if (earlyOuts) {
             classes_.shade(program, frame);
             target.draw(classes_.answers(), frame.gbufferTextures);
         } else {
@@ -131,6 +135,11 @@ class Pcss : public ShadowMethod {
                 depth_.map().mebibytes() + minMax_.texture().mebibytes() + classes_.mebibytes(),
                 ""};
     }
+    std::vector<NamedTexture> textures() const override {
+        return {{"shadow map, near / z", &depth_.map()},
+                {"min/max pyramid, finest level", &minMax_.texture()},
+                {"classes of pixel tiles", &classes_.tiles()}};
+    }
 
   private:
     /// Compiled in: loops of constant length are unrolled.
@@ -140,6 +149,14 @@ class Pcss : public ShadowMethod {
 
     static bool isSoft(const Frame& frame, const Plan& plan) {
         return plan.has(Effect::penumbra) && !frame.light.isPoint();
+    }
+
+    bool hasEarlyOuts(const Plan& plan) const {
+        return pyramid_.is("early_outs") && !plan.everyPixel;
+    }
+
+    void compileHard(const Plan& plan) {
+        hard_ = gl::Program::graphics("pcss.glsl", MapBias::defines(plan));
     }
 
     /// The map should hold the casters beside the outermost receivers too: as far as a footprint

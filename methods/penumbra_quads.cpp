@@ -21,12 +21,15 @@
 // Silhouettes are those of the light's centre. Casters cut out by alpha have no edges, and
 // receivers beyond 70 degrees no single light view: both are refused. Meshes that are not closed
 // two-manifolds are drawn as EdgeAdjacency says, their defects counted in the row's message.
+//
+// Of a plan only penumbra and alpha_mask matter: the second and the inner map hold the inner half
+// of every penumbra, of one layer, too; the maps must have all parts, also those that shadow
+// nothing, for quads are stretched to the surfaces they fall upon; and a pixel is four gathers,
+// which a test of its tile would cost as well.
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <bit>
 
 #include "core/error.hpp"
 #include "core/frame/gpu_faces.hpp"
@@ -34,24 +37,11 @@
 #include "core/passes/depth_pass.hpp"
 #include "core/passes/farthest_pyramid.hpp"
 #include "methods/map_bias.hpp"
+#include "methods/quad_outline.hpp"
 #include "methods/shadow_method.hpp"
 
 namespace penumbra {
 namespace {
-
-/// Edge of shaders/penumbra_quads.glsl.
-struct GpuEdge {
-    glm::vec4 a, b, stretchA, stretchB, planes[2];
-};
-
-/// Silhouette of shaders/penumbra_quads.glsl.
-struct GpuSilhouette {
-    std::uint32_t entry;
-    float farS[2];
-};
-
-/// Triangles of the six points of an edge, b's the other way round.
-constexpr std::array<std::uint32_t, 12> kQuadIndices = {0, 2, 1, 0, 1, 4, 0, 4, 5, 5, 4, 3};
 
 class PenumbraQuads : public ShadowMethod {
     IntParameter mapSize_{this,
@@ -136,11 +126,9 @@ class PenumbraQuads : public ShadowMethod {
         GLuint id = 0;
         glCreateFramebuffers(1, &id);
         framebuffer_ = gl::Framebuffer(id);
-        glCreateVertexArrays(1, &id);
-        quadArray_ = gl::VertexArray(id);
+        outline_ = QuadOutline::create();
         geometry_.reset();
         adjacency_ = {};
-        outlineCount_ = 0;
         useGeometry(scene.frame(0).geometry);
     }
 
@@ -185,6 +173,13 @@ class PenumbraQuads : public ShadowMethod {
                 pieceMap_.mebibytes() + pieceDepth_.mebibytes() + farthest_.texture().mebibytes(),
             defects.empty() ? "" : fmt::format("{} edges: {}", adjacency_.edgeCount(), defects)};
     }
+    std::vector<NamedTexture> textures() const override {
+        return {{"shadow map, near / z", &depth_.map()},
+                {"second depth layer", &secondMap_},
+                {"penumbra maps, outer and inner", &penumbraMap_},
+                {"pieces", &pieceMap_},
+                {"farthest depth pyramid", &farthest_.texture()}};
+    }
 
   private:
     static constexpr int kBoundedEdges = 1 << 15;
@@ -200,29 +195,7 @@ class PenumbraQuads : public ShadowMethod {
             faces_ = GpuFaces(adjacency_);
         }
         faces_.place(*geometry);
-        uploadEdges();
-    }
-
-    void uploadEdges() {
-        const std::vector<OutlineEdge> outline = adjacency_.outlineEdges(*geometry_);
-        std::vector<GpuEdge> edges;
-        edges.reserve(outline.size());
-        for (const OutlineEdge& e : outline)
-            edges.push_back({glm::vec4(e.a, static_cast<float>(e.forward[0] + 2 * e.forward[1])),
-                             glm::vec4(e.b, std::bit_cast<float>(e.piece)),
-                             glm::vec4(e.stretchA, 0.0f),
-                             glm::vec4(e.stretchB, 0.0f),
-                             {e.planes[0], e.planes[1]}});
-        edges_ = gl::Buffer::create(edges.size() * sizeof(GpuEdge), edges.data());
-        if (outlineCount_ == static_cast<int>(edges.size())) return;
-        outlineCount_ = static_cast<int>(edges.size());
-        silhouettes_ = gl::Buffer::create(edges.size() * sizeof(GpuSilhouette), nullptr);
-        std::vector<std::uint32_t> indices;
-        indices.reserve(edges.size() * kQuadIndices.size());
-        for (std::uint32_t i = 0; i < edges.size(); ++i)
-            for (const std::uint32_t point : kQuadIndices) indices.push_back(6 * i + point);
-        quadIndices_ = gl::Buffer::create(indices.size() * sizeof(std::uint32_t), indices.data());
-        glVertexArrayElementBuffer(quadArray_.id(), quadIndices_.id());
+        outline_.upload(adjacency_.outlineEdges(*geometry));
     }
 
     void fitFrame(const Frame& frame) {
@@ -303,7 +276,7 @@ class PenumbraQuads : public ShadowMethod {
 
     /// Whether each quad is stretched as far as its own receivers only. Few have fewer fragments
     /// than the pyramid over the maps has texels to read.
-    bool boundsQuads() const { return stretch_.is("texel") && outlineCount_ >= kBoundedEdges; }
+    bool boundsQuads() const { return stretch_.is("texel") && outline_.count() >= kBoundedEdges; }
     double nearer() const { return 1.0 + kNearerTexels * texelTangent_; }
 
     /// Uniforms of what the edges and their quads are seen by.
@@ -327,14 +300,13 @@ class PenumbraQuads : public ShadowMethod {
         glNamedBufferSubData(draw_.id(), 0, sizeof(kEmpty), kEmpty);
         silhouette_.use();
         setView(silhouette_, light);
-        silhouette_.set("edgeCount", outlineCount_);
+        silhouette_.set("edgeCount", outline_.count());
         depth_.map().bind(0);
         if (boundsQuads()) farthest_.texture().bind(1);
         silhouette_.set("boundQuads", boundsQuads());
-        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, edges_.id());
-        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, silhouettes_.id());
+        outline_.bind();
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, draw_.id());
-        glDispatchCompute(static_cast<GLuint>(outlineCount_ + 63) / 64, 1, 1);
+        glDispatchCompute(static_cast<GLuint>(outline_.count() + 63) / 64, 1, 1);
         glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
     }
 
@@ -342,8 +314,7 @@ class PenumbraQuads : public ShadowMethod {
     /// is not written.
     void renderQuads(const AreaLight& light) const {
         const gl::DebugGroup group("penumbra quads: outer and inner");
-        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, edges_.id());
-        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, silhouettes_.id());
+        outline_.bind();
         glBindBuffer(GL_DRAW_INDIRECT_BUFFER, draw_.id());
         // Quads that lie on a surface fail against it.
         glDepthRange(0.0, 1.0 / nearer());
@@ -363,7 +334,7 @@ class PenumbraQuads : public ShadowMethod {
             depth_.map().bind(2);
             quads.set("clipFromWorld", depth_.view().clipFromWorld(0));
             setView(quads, light);
-            glBindVertexArray(quadArray_.id());
+            glBindVertexArray(outline_.quads().id());
             glDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT, nullptr);
             glDisable(GL_BLEND);
             glBlendEquation(GL_FUNC_ADD);
@@ -378,12 +349,11 @@ class PenumbraQuads : public ShadowMethod {
     gl::Program hard_, second_, piece_, silhouette_, outerQuads_, innerQuads_, soft_;
     FarthestPyramid farthest_;
     gl::Framebuffer framebuffer_;
-    gl::VertexArray quadArray_;
     std::shared_ptr<const Geometry> geometry_;
     EdgeAdjacency adjacency_;
     GpuFaces faces_;
-    gl::Buffer edges_, silhouettes_, quadIndices_, draw_;
-    int outlineCount_ = 0;
+    QuadOutline outline_;
+    gl::Buffer draw_;
     gl::Texture secondMap_, penumbraMap_, pieceMap_, pieceDepth_;
     bool soften_ = false;
     double texelTangent_ = 0.0;  ///< width of a texel over its depth

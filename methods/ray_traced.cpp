@@ -2,12 +2,18 @@
 // shift of its own for every pixel, through the same tracer as the reference. "Just trace rays" on
 // the same curve as everything else: unbiased, noisy, its cost linear in n and independent of the
 // light's size.
+//
+// Tiles of pixels that no triangle can shadow (LitTiles) are 1 without a ray, as rays would say.
+// There is no such proof of dark for less than rays, and rays have no bias, no layers and no second
+// side that a plan could leave out; for the alpha mask the tracer asks where a ray meets one.
 
 #include <tbb/blocked_range2d.h>
 #include <tbb/parallel_for.h>
 
 #include <array>
 
+#include "core/frame/lit_tiles.hpp"
+#include "core/frame/shadow_casters.hpp"
 #include "core/sampling/sampling.hpp"
 #include "methods/shadow_method.hpp"
 
@@ -34,11 +40,18 @@ class RayTraced : public ShadowMethod {
             points_.push_back(owenSobol(static_cast<std::uint32_t>(i), kScramble));
     }
 
-    void build(const Frame&, const Plan&) override {}
+    void build(const Frame& frame, const Plan& plan) override {
+        skips_ = !plan.everyPixel && isEarned(frame, plan);
+        if (!skips_) return;
+        tiles_.build(frame, shadowCasters(frame, {.wholeLight = plan.has(Effect::penumbra)}));
+        findTiles(frame, plan);
+    }
 
     void shade(const Frame& frame, const Plan& plan, const VisibilityTarget& target) override {
         const int width = frame.width(), height = frame.height();
         blocked_.assign(frame.gbuffer.size(), 0);
+        // Light space may have stayed as it was while the camera moved.
+        if (skips_ && !tiles_.isFor(frame.camera)) findTiles(frame, plan);
         // Without a penumbra to simulate one ray to the light's centre tells all.
         const bool extent = plan.has(Effect::penumbra);
         const auto count = static_cast<float>(extent ? points_.size() : 1);
@@ -56,6 +69,22 @@ class RayTraced : public ShadowMethod {
 
   private:
     static constexpr std::uint32_t kScramble = 0x5eed1e55u;
+    static constexpr double kFindingRays = 4.0;
+
+    /// Whether rays cost more than to prove that they are free: a triangle's place in the tree is
+    /// worth about three rays, and a third of the rays may be spared.
+    bool isEarned(const Frame& frame, const Plan& plan) const {
+        constexpr double kRaysPerTriangle = 10.0;
+        const double rays = plan.has(Effect::penumbra) ? static_cast<double>(points_.size()) : 1.0;
+        // Finding the tiles costs about four rays per pixel besides.
+        return (rays - kFindingRays) * static_cast<double>(frame.gbuffer.size()) >
+               kRaysPerTriangle * static_cast<double>(frame.geometry->triangleCount());
+    }
+
+    void findTiles(const Frame& frame, const Plan& plan) {
+        const glm::dvec2 half(frame.light.halfU, frame.light.halfV);
+        tiles_.find(frame, plan.has(Effect::penumbra) ? half : glm::dvec2(0.0), glm::dvec2(0.0));
+    }
 
     void traceTile(const Frame& frame, bool extent, const tbb::blocked_range2d<int>& tile) {
         const AreaLight& light = frame.light;
@@ -74,7 +103,8 @@ class RayTraced : public ShadowMethod {
             for (int x = tile.cols().begin(); x < tile.cols().end(); ++x) {
                 const auto pixel = static_cast<std::uint32_t>(y * frame.width() + x);
                 const PixelClass pixelClass = frame.gbuffer.mask[pixel];
-                if (pixelClass != PixelClass::scored && pixelClass != PixelClass::horizon) continue;
+                if (!isAsked(pixelClass)) continue;
+                if (skips_ && tiles_.isLit(x / LitTiles::kSide, y / LitTiles::kSide)) continue;
                 const glm::vec3 origin = frame.tracer.shadowOrigin(
                     frame.gbuffer.position[pixel], frame.gbuffer.geometricNormal[pixel]);
                 const std::uint32_t shiftX = hash(pixel, frame.seed, 0u);
@@ -90,6 +120,8 @@ class RayTraced : public ShadowMethod {
         flush();
     }
 
+    LitTiles tiles_;
+    bool skips_ = false;
     std::vector<std::uint32_t> blocked_;  // rays per pixel
     std::vector<SobolPoint> points_;
     std::vector<float> visibility_;

@@ -9,6 +9,7 @@
 #include "core/effects/effects.hpp"
 #include "core/frame/frame.hpp"
 #include "core/gl/program.hpp"
+#include "core/image/image.hpp"
 #include "core/parameter/parameter.hpp"
 
 namespace penumbra {
@@ -40,6 +41,15 @@ struct WorkCounters {
     std::string message;        ///< what the row should say, usually empty
 };
 
+/// Something between a method's passes that is worth looking at, by the name that its paper has for
+/// it. Either a texture of the method's own, good until its next build, or a picture made for this.
+struct NamedTexture {
+    std::string name;
+    const gl::Texture* texture = nullptr;
+    std::shared_ptr<const Image> picture{};
+    float lo = 0.0f, hi = 0.0f;  ///< values to show as black and white; equal: those that it has
+};
+
 /// One shadow technique. The harness calls prepare once per scene and size, build when something
 /// that light space depends on moved, shade per frame; it owns timing, masks, seeds and readback.
 /// A method keeps what it needs between the calls in members and reads nothing but its arguments.
@@ -56,6 +66,9 @@ class ShadowMethod : public Parameters {
     /// Per-pixel work: visibility V in [0,1] (1 lit) for every scored and horizon pixel.
     virtual void shade(const Frame& frame, const Plan& plan, const VisibilityTarget& target) = 0;
     virtual WorkCounters counters() const { return {}; }
+    /// What the last frame left, for people to look at. Textures that this plan or setting has no use
+    /// for may be listed without having been made.
+    virtual std::vector<NamedTexture> textures() const { return {}; }
 };
 
 struct MethodInfo {

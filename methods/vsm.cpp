@@ -17,6 +17,13 @@
 // behind casters of several heights one mean depth gives one width, wrong for each of them. Casters
 // closer to the receiver than the stored moments resolve (min_variance) leak at contacts. A light
 // narrower than a texel falls back to the hard comparison.
+//
+// Tiles of pixels before whose planes nothing is in any texel of the widest kernel, by a min/max
+// pyramid of the map, are lit without a lookup, and those dark where casters of much the same depth
+// fill it (prefilters by table only). Without self_shadow
+// nothing is saved where there are penumbrae: what no caster hides must be in the map at its own
+// depth, or the moments are no longer those of blocker and receiver. Thin and layered casters are
+// one texel like any other.
 
 #include <algorithm>
 
@@ -24,6 +31,8 @@
 #include "core/passes/blur.hpp"
 #include "core/passes/depth_pass.hpp"
 #include "core/passes/layer_pass.hpp"
+#include "core/passes/min_max_pyramid.hpp"
+#include "core/passes/pixel_classes.hpp"
 #include "core/passes/summed_area_table.hpp"
 #include "methods/map_bias.hpp"
 #include "methods/shadow_method.hpp"
@@ -111,20 +120,26 @@ class Vsm : public ShadowMethod {
     }
 
     void prepare(const Scene&, const Plan& plan) override {
-        depth_ = DepthPass(plan.has(Effect::alpha_mask));
-        hard_ = gl::Program::graphics("vsm.glsl", {"KERNEL_POINT"});
-        if (!plan.has(Effect::penumbra)) return;
+        depth_ = DepthPass(plan.has(Effect::alpha_mask), !mapPlan(plan).has(Effect::self_shadow));
+        if (!plan.has(Effect::penumbra)) return compileHard(plan);
         layerPass_ = LayerPass::create();
         std::vector<std::string> format;
         if (format_.is("rg16")) format.emplace_back("FORMAT_UNORM");
         if (format_.is("rg16f")) format.emplace_back("FORMAT_HALF");
-        std::vector<std::string> momentDefines = format, softDefines = format;
+        std::vector<std::string> momentDefines = format;
+        std::vector<std::string> softDefines = MapBias::defines(mapPlan(plan), format);
         softDefines.push_back("SUBDIVISIONS " + subdivisions_.text());
         momentDefines.emplace_back("PASS_MOMENTS");
         momentsProgram_ = gl::Program::graphics("vsm.glsl", momentDefines);
         softDefines.emplace_back(kernel_.is("fixed") ? "KERNEL_FIXED" : "KERNEL_PCSS");
         if (usesTable()) softDefines.emplace_back("PREFILTER_TABLE");
         if (prefilter_.is("sat_uint")) softDefines.emplace_back("TABLE_UINT");
+        if (hasClasses(plan)) {
+            minMax_ = MinMaxPyramid::create();
+            classes_ =
+                PixelClasses::create(PixelClasses::Dark::yes, PixelClasses::Footprint::moments);
+            softDefines.emplace_back("UNDECIDED_TILES");
+        }
         soft_ = gl::Program::graphics("vsm.glsl", softDefines);
         if (usesTable())
             table_ =
@@ -135,8 +150,10 @@ class Vsm : public ShadowMethod {
 
     void build(const Frame& frame, const Plan& plan) override {
         const glm::dvec2 widestM = widest() * lightHalf(frame.light);
-        depth_.render(frame, LightView::fit(frame, widestM, mapSize_), mapSize_);
         soften_ = plan.has(Effect::penumbra) && widestM != glm::dvec2(0.0);
+        depth_.render(frame, LightView::fit(frame, soften_ ? widestM : glm::dvec2(0.0), mapSize_),
+                      mapSize_);
+        if (!soften_ && !hard_) compileHard(plan);
         if (!soften_) return;
         setRanges(frame.lightBounds);
         const double cellTexels = widestCell(frame.light);
@@ -145,27 +162,44 @@ class Vsm : public ShadowMethod {
             table_.build(moments_, cellTexels);
         else
             filterMoments(frame.light);
+        if (hasClasses(plan))
+            minMax_.build(depth_,
+                          PixelClasses::widestWindow(frame, depth_, kernelBox(frame.light)));
     }
 
-    void shade(const Frame& frame, const Plan&, const VisibilityTarget& target) override {
+    void shade(const Frame& frame, const Plan& plan, const VisibilityTarget& target) override {
         const gl::DebugGroup group("vsm: shade");
+        const bool classified = soften_ && hasClasses(plan);
+        if (classified)
+            classes_.classify(frame, depth_, minMax_, bias_.texels(mapPlan(plan)),
+                              kernelBox(frame.light));
         const gl::Program& program = soften_ ? soft_ : hard_;
         program.use();
         depth_.bind(program, 0);
-        program.set("biasTexels", static_cast<float>(bias_));
+        bias_.set(program, mapPlan(plan));
         if (soften_) {
             program.set(*this);
             program.set("lightHalfM", glm::vec2(lightHalf(frame.light)));
             bindMoments(program);
         }
-        target.draw(program, frame.gbufferTextures);
+        if (classified) {
+            classes_.shade(program, frame);
+            target.draw(classes_.answers(), frame.gbufferTextures);
+        } else {
+            target.draw(program, frame.gbufferTextures);
+        }
     }
 
     WorkCounters counters() const override {
         return {depth_.map().layers(), depth_.texels(),
                 depth_.map().mebibytes() + moments_.mebibytes() + table_.mebibytes() +
-                    blur_.mebibytes(),
+                    blur_.mebibytes() + minMax_.texture().mebibytes() + classes_.mebibytes(),
                 ""};
+    }
+    std::vector<NamedTexture> textures() const override {
+        return {{"shadow map, near / z", &depth_.map()},
+                {"moments", &moments_},
+                {"summed-area table", &table_.table()}};
     }
 
   private:
@@ -177,9 +211,42 @@ class Vsm : public ShadowMethod {
 
     static glm::dvec2 lightHalf(const AreaLight& light) { return {light.halfU, light.halfV}; }
     bool usesTable() const { return prefilter_.is("sat_uint") || prefilter_.is("sat_float"); }
+    /// Moments are of two depths, Chebyshev's bound exact, only if what is not a blocker has the
+    /// receiver's own: soft shadows want the receivers in the map, and then a bias.
+    static Plan mapPlan(Plan plan) {
+        if (plan.has(Effect::penumbra)) plan.simulated.add(Effect::self_shadow);
+        return plan;
+    }
+
+    /// Mip levels and blurs reach beyond their box by more than a kernel is wide.
+    bool hasClasses(const Plan& plan) const { return usesTable() && !plan.everyPixel; }
+
+    void compileHard(const Plan& plan) {
+        hard_ =
+            gl::Program::graphics("vsm.glsl", MapBias::defines(mapPlan(plan), {"KERNEL_POINT"}));
+    }
+
     bool blurs() const { return prefilter_.is("box") || prefilter_.is("gaussian"); }
     /// Half extents that no kernel exceeds, in half extents of the light.
     double widest() const { return kernel_.is("fixed") ? kernelSize_ : search_; }
+
+    /// The texels that the first kernel averages, which the ones after it stay inside: where all of
+    /// them are behind the receiver's plane so is every mean, and Chebyshev's bound is 1.
+    PixelClasses::Box kernelBox(const AreaLight& light) const {
+        const auto most = static_cast<float>(widest());
+        PixelClasses::Box box{.halfM = lightHalf(light),
+                              .kernel = {kernel_.is("fixed") ? most : 0.0f, most}};
+        for (std::size_t i = 0; i < ranges_.size(); ++i) {
+            if (kernel_.is("pcss"))
+                box.nearestS[i] = static_cast<float>(ranges_[i].nearM / ranges_[i].casterNearM);
+            box.depthPerM[i] = static_cast<float>(2.0 / (ranges_[i].farM - ranges_[i].nearM));
+        }
+        box.leastVariance = static_cast<float>(leastVariance() + minTexelVariance());
+        box.bleed = static_cast<float>(bleed_);
+        // No kernel is narrower than a texel, and one at the map's border is moved inside.
+        box.padTexels = 1.0f;
+        return box;
+    }
 
     /// From the nearest depth the map can hold to the farthest receiver: what is beyond cannot
     /// shadow anything, and holding it at the far end keeps the variance small.
@@ -270,15 +337,17 @@ class Vsm : public ShadowMethod {
         glGenerateTextureMipmap(moments_.id());
     }
 
+    double leastVariance() const { return minVariance_ * (formatQuantum() + table_.stepError()); }
+    /// In addition, of a cell of one texel.
+    double minTexelVariance() const { return minVariance_ * table_.sumError(); }
+
     void bindMoments(const gl::Program& program) const {
         if (usesTable())
             table_.bind(program, kMomentsUnit);
         else
             moments_.bind(kMomentsUnit);
-        const double quanta = minVariance_;
-        program.set("minVariance",
-                    static_cast<float>(quanta * (formatQuantum() + table_.stepError())));
-        program.set("minTexelVariance", static_cast<float>(quanta * table_.sumError()));
+        program.set("minVariance", static_cast<float>(leastVariance()));
+        program.set("minTexelVariance", static_cast<float>(minTexelVariance()));
         program.set("blurTexels", glm::vec2(blurTexels_));
         for (std::size_t i = 0; i < ranges_.size(); ++i) {
             const std::string index = "[" + std::to_string(i) + "]";
@@ -290,6 +359,8 @@ class Vsm : public ShadowMethod {
     }
 
     DepthPass depth_;
+    MinMaxPyramid minMax_;
+    PixelClasses classes_;
     LayerPass layerPass_;
     Blur blur_;
     SummedAreaTable table_;

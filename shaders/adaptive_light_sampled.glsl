@@ -1,16 +1,12 @@
 // Comparisons of maps from several points of the light (methods/adaptive_light_sampled.cpp);
-// evaluation is shaders/light_sampled.glsl's, but for PASS_SHADE_BITS and PASS_SHADE_UNDECIDED.
+// evaluation is shaders/light_sampled.glsl's, but for PASS_SHADE_BITS.
 // PASS_COMPARE: drawn in an occlusion query that counts the pixels at which the first COMPARED_MAPS
 // of `compared` do not agree. COMPARE_TIGHT, _ABSOLUTE, _RELATIVE or _SYMMETRIC; LIGHT_SPACE: pixels
 // are the texels of the centre's map.
 // With COLLECTED the pixels are those that PASS_COLLECT found worth it.
 // PASS_MARK_BITS: adds new maps' shadow tests to the bits kept per pixel and counts by atomics.
-// PASS_SHADE_UNDECIDED: reads all maps, in tiles that are not lit (core/passes/lit_tiles.hpp).
-// With SKIP_LIT_TILES pixels of those that are lit are not compared.
-#ifdef PASS_SHADE_UNDECIDED
-#define UNDECIDED_TILES
-#endif
-#if defined(UNDECIDED_TILES) || defined(SKIP_LIT_TILES)
+// With SKIP_LIT_TILES pixels of tiles that are lit (core/frame/lit_tiles.hpp) are not compared.
+#ifdef SKIP_LIT_TILES
 #include "common/pixel_classes.glsl"
 #else
 #include "common/receiver.glsl"
@@ -109,13 +105,6 @@ void main() {
     ivec2 place = 4 * ivec2(block % blocks, block / blocks) + ivec2(at & 3, at >> 2 & 3);
     imageStore(receivers, place,
                vec4(centre.uv * float(mapSize), 1.0 / centre.zM, 0.0));
-}
-
-#elif defined(PASS_SHADE_UNDECIDED)
-void main() {
-    vec3 position, normal;
-    if (!receives(position, normal)) return;
-    visibility = litSum(position, normal) / lightSampleWeight;
 }
 
 #elif defined(PASS_SHADE_BITS)

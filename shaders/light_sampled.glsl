@@ -1,4 +1,8 @@
+#ifdef UNDECIDED_TILES  // PASS_ALL, in tiles that are not lit
+#include "common/pixel_classes.glsl"
+#else
 #include "common/receiver.glsl"
+#endif
 
 #ifdef STAGE_FRAGMENT
 #ifdef PASS_RESOLVE

@@ -1,5 +1,107 @@
-#include "common/receiver.glsl"
+// Occlusion textures (Eisemann, Decoret 2006). Passes: PASS_HARD compares with the hard map alone,
+// PASS_CLASSIFY tells which tiles of pixels need no shading, the other one shades, with UNDECIDED_TILES
+// the rest of them only.
 #include "common/light_view.glsl"
+#ifdef PASS_CLASSIFY
+#include "common/fullscreen.glsl"
+#include "common/tile_class.glsl"
+#include "common/slice_kernels.glsl"
+#ifdef CONTACT
+#include "common/slice_contact.glsl"
+#endif
+#ifdef STAGE_FRAGMENT
+// A box around the kernels of all of a tile's receivers on a slice.
+struct Tile {
+    vec2 lo, hi;       // tangents of the receivers
+    float minM, maxM;  // depths
+};
+
+Kernel kernelsOn(Tile tile, float planeM) {
+    Kernel lo = kernelOn(vec3(tile.lo, 1.0) * tile.maxM, planeM);
+    Kernel hi = kernelOn(vec3(tile.hi, 1.0) * tile.maxM, planeM);
+    const float kRoundingTexels = 1.0 / 64.0;  // a receiver's own is rounded otherwise
+    vec2 least = max(lo.size, vec2(1.0)) + 2.0 * kRoundingTexels;
+    vec2 from = lo.lo + 0.5 * (lo.size - least);
+    return Kernel(from, hi.lo - lo.lo + least);
+}
+
+vec3 toLight(vec4 position) {
+    return lightAxes * (position.xyz - lightCentre);
+}
+
+vec4 positionOf(ivec2 pixel, out vec3 normal, out bool asks) {
+    vec4 position = texelFetch(gbufferPosition, pixel, 0);
+    normal = texelFetch(gbufferNormal, pixel, 0).xyz;
+    asks = position.w == 1.0 || position.w == 2.0;
+    return position;
+}
+
+#ifdef CONTACT
+bool anyTouched(ivec2 first, ivec2 last) {
+    ivec2 size = last - first + 1;
+    bool any = false;
+    for (int i = 0; i < size.x * size.y && !any; ++i) {
+        vec3 normal;
+        bool asks;
+        vec4 position = positionOf(first + ivec2(i % size.x, i / size.x), normal, asks);
+        vec3 p = toLight(position);
+        receiver = lightPoint(position.xyz, normal);
+        float casterM;
+        any = asks && touched(p, aboveM(movedOff(p, lightAxes * normal)), casterM);
+    }
+    return any;
+}
+#endif
+
+void main() {
+    ivec2 first = firstOfTile(), last = lastOfTile();
+    Tile tile = Tile(vec2(1e30), vec2(-1e30), 1e30, -1e30);
+    bool any = false, usable = true;
+    for (int y = first.y; y <= last.y; ++y)
+        for (int x = first.x; x <= last.x; ++x) {
+            vec3 normal;
+            bool asks;
+            vec3 p = toLight(positionOf(ivec2(x, y), normal, asks));
+            vec3 moved = movedOff(p, lightAxes * normal);
+            vec2 t = moved.xy / moved.z;
+            any = any || asks;
+            usable = usable && (!asks || min(p.z, moved.z) > 0.0);
+            tile.lo = asks ? min(tile.lo, t) : tile.lo;
+            tile.hi = asks ? max(tile.hi, t) : tile.hi;
+            tile.minM = asks ? min(tile.minM, moved.z) : tile.minM;
+            tile.maxM = asks ? max(tile.maxM, moved.z) : tile.maxM;
+        }
+    tileClass = kLit;
+    if (!any) return;
+    uvec2 mayHide = uvec2(0u);
+    bool dark = false;
+    for (int i = 0; i < used; ++i) {
+        if (usable && weightOf(tile.maxM, i) <= 0.0) break;
+        Kernel kernels = kernelsOn(tile, slices[i].x);
+        // Counts of two slices that share a number are right up to there.
+        const float kMostTexels = 65535.0;
+        vec2 texels = kernels.size + 2.0;
+        bool counted = usable && (lanes == 1 || texels.x * texels.y <= kMostTexels);
+        float rough = counted ? roughly(kernels, i) : 0.5;
+        dark = dark || (rough == 1.0 && weightOf(tile.minM, i) == 1.0);
+        mayHide[i >> 5] |= uint(rough > 0.0) << (i & 31);
+    }
+    if (dark) {
+        tileClass = kDark;
+        return;
+    }
+    bool undecided = !usable || mayHide != uvec2(0u);
+#ifdef CONTACT
+    undecided = undecided || anyTouched(first, last);
+#endif
+    if (undecided)
+        tileClass = vec4(-1.0 - float(mayHide.y & 0xffffu), mayHide.x & 0xffffu, mayHide.y >> 16,
+                         mayHide.x >> 16);
+}
+#endif
+#else
+
+#include "common/pixel_classes.glsl"
 #ifdef PASS_HARD
 #ifdef STAGE_FRAGMENT
 void main() {
@@ -12,33 +114,12 @@ void main() {
 
 #else
 
+#include "common/slice_kernels.glsl"
+#ifdef CONTACT
+#include "common/slice_contact.glsl"
+#endif
 #ifdef STAGE_FRAGMENT
-// Slices as core/frame/slice_view.hpp cuts them.
-uniform mat3 lightAxes;  // world to light: rows x, y, z
-uniform vec2 lightHalfM;
-uniform bool orthographic;
-uniform float copM;
-uniform vec2 uvScale, uvOffset;
-uniform vec3 slices[SLICES];  // depth of the plane, of the lower boundary, 1 / metres of the fade
-uniform float p_bias;
-
 const int kAll = CELLS * CELLS;
-
-float shrink(float zM) {
-    return orthographic ? 1.0 : 1.0 / (zM + copM);
-}
-
-// The light as a receiver sees it on a slice's plane (eq. 4), texels.
-struct Kernel {
-    vec2 lo, size;
-};
-
-Kernel kernelOn(vec3 p, float planeM) {
-    float t = planeM / p.z;
-    vec2 scale = uvScale * shrink(planeM) * mapSize;
-    vec2 size = 2.0 * lightHalfM * (1.0 - t) * scale;
-    return Kernel(p.xy * t * scale + uvOffset * mapSize - 0.5 * size, size);
-}
 
 // What one cell of the light has behind all slices so far.
 struct Covered {
@@ -85,31 +166,7 @@ float total(Covered cell) {
 Covered covered[kAll];
 
 #ifdef PREFILTER_SAT
-layout(binding = 1) uniform usampler2DArray counts;  // core/passes/count_table.hpp
-uniform int lanes;
-
 const int kLines = CELLS + 1;  // between and around rows of cells
-
-// Where a kernel lies in the table; no kernel is narrower than a texel.
-Kernel within(Kernel kernel) {
-    vec2 size = max(kernel.size, vec2(1.0));
-    vec2 lo = clamp(kernel.lo + 0.5 * (kernel.size - size), vec2(0.0), vec2(mapSize) - 1.0);
-    return Kernel(lo, clamp(lo + size, lo + 1.0, vec2(mapSize)) - lo);
-}
-
-// Four fetches tell the texels under the kernel all empty (0) or all full (1); else 1/2.
-float roughly(Kernel kernel, int slice) {
-    kernel = within(kernel);
-    ivec2 from = ivec2(kernel.lo), to = min(ivec2(ceil(kernel.lo + kernel.size)), ivec2(mapSize));
-    int plane = lanes == 1 ? slice : slice >> 1;
-    uint inside = texelFetch(counts, ivec3(to, plane), 0).r -
-                  texelFetch(counts, ivec3(from.x, to.y, plane), 0).r -
-                  texelFetch(counts, ivec3(to.x, from.y, plane), 0).r +
-                  texelFetch(counts, ivec3(from, plane), 0).r;
-    if (lanes == 2) inside = (slice & 1) == 0 ? inside & 0xffffu : inside >> 16;
-    ivec2 extent = to - from;
-    return inside == 0u ? 0.0 : inside == uint(extent.x * extent.y) ? 1.0 : 0.5;
-}
 
 // Sums at the crossings of the lines around cells, each between four texels. They are counted from
 // the kernel's first texel on, exactly and modulo 2^32, so that they are small enough for floats
@@ -148,7 +205,7 @@ void coverBy(Kernel kernel, int slice, float weight) {
 #else
 
 #ifdef PREFILTER_N_BUFFERS
-layout(binding = 1) uniform sampler2DArray buffers;  // NBuffers
+layout(binding = 4) uniform sampler2DArray buffers;  // NBuffers
 uniform int levels;
 
 // Level l's texels hold the boxes that begin there. Boxes larger than the kernel may begin outside
@@ -165,7 +222,7 @@ float squareMean(vec2 middle, float side, int slice) {
     return levels == 1 ? low : mix(low, levelMean(middle, level + 1, slice), l - float(level));
 }
 #else
-layout(binding = 1) uniform sampler2DArray occlusion;  // with mip levels
+layout(binding = 4) uniform sampler2DArray occlusion;  // with mip levels
 
 // Bilinear interpolation between texels of side a has the variance a^2 / 4, a box of side w has
 // w^2 / 12.
@@ -200,32 +257,7 @@ void coverBy(Kernel kernel, int slice, float weight) {
 }
 #endif
 
-// The slice that holds the receiver does not count, the one above it fades in.
-float weightOf(vec3 p, int slice) {
-    return min((p.z - slices[slice].y) * slices[slice].z, 1.0);
-}
-
 #ifdef CONTACT
-LightPoint receiver;
-
-// Whether the shadow map knows a caster between `fromM` and `toM` on the way from the light's
-// centre through `q`, light coordinates, that is not the receiver's own plane.
-bool castsAt(vec3 q, float fromM, float toM, out float casterM) {
-    casterM = 0.0;
-    vec3 l = tileAxes[receiver.tile] * (q * lightAxes);
-    vec4 tangents = tileTangents[receiver.tile];
-    vec2 uv = (l.xy / l.z - tangents.xy) * tangents.zw;
-    if (litAt(receiver, uv) == 1.0) return false;
-    float caster = texelFetch(shadowMap, ivec3(floor(uv * float(mapSize)), receiver.tile), 0).r;
-    casterM = q.z * tileNear[receiver.tile] / (caster * l.z);  // both on one way
-    return casterM >= fromM && casterM < toM;
-}
-
-// Where the way from the receiver to a point of the light, in half its size, crosses a depth.
-vec3 wayTo(vec2 onLight, vec3 p, float zM) {
-    return vec3(mix(lightHalfM * onLight, p.xy, zM / p.z), zM);
-}
-
 // A slice fades in because the receiver's own surface may go on in it. Where the map sees another
 // one there, on the ways through the light's centre and rim, it counts in full.
 bool castsFrom(int slice, vec3 p) {
@@ -234,7 +266,8 @@ bool castsFrom(int slice, vec3 p) {
 #else
     const int kFirst = 1;
 #endif
-    float topM = slice >= kFirst ? slices[slice - kFirst].y : 0.0, casterM;
+    int number = int(slices[slice].w);
+    float topM = number >= kFirst ? lowerM[number - kFirst] : 0.0, casterM;
     for (int y = -1; y <= 1; ++y)
         for (int x = -1; x <= 1; ++x)
             if (castsAt(wayTo(vec2(x, y), p, slices[slice].x), topM, slices[slice].y, casterM))
@@ -247,12 +280,8 @@ bool castsFrom(int slice, vec3 p) {
 // the first caster there that the light's centre or corners see. `continues` where the slice above is not
 // empty: both may show one surface.
 void coverByContact(vec3 p, float topM, bool continues) {
-    float depthM = 0.0, casterM;
-    bool any = castsAt(p, topM, p.z, depthM);
-    for (int i = 0; i < 4 && !any; ++i)
-        any = castsAt(wayTo(vec2(i & 1, i >> 1) * 2.0 - 1.0, p, 0.5 * (topM + p.z)), topM, p.z,
-                      depthM);
-    if (!any) return;
+    float depthM, casterM;
+    if (!touched(p, topM, depthM)) return;
     for (int c = 0; c < kAll; ++c) {
         float hidden = 0.0;
         for (int i = 0; i < 4; ++i) {
@@ -270,44 +299,54 @@ void coverByContact(vec3 p, float topM, bool continues) {
 }
 #endif
 
+#ifdef UNDECIDED_TILES
+// Slices that may hide light from this pixel's tile, as PASS_CLASSIFY packs them.
+uint mayHide(int word) {
+    vec4 tile = tileOfPixel();
+    return word == 0 ? uint(tile.y) | uint(tile.w) << 16 : uint(-1.0 - tile.x) | uint(tile.z) << 16;
+}
+#endif
+
 // First what each slice is roughly: most are empty, and one that is full decides. Then those that
 // are neither, bit by bit: a renderer that runs both sides of every branch for neighbouring pixels,
 // as llvmpipe does, leaves loops as soon as none of them has work left.
 float lit(vec3 p, vec3 unmoved) {
-    int counting = 0;
     uint partial[(SLICES + 31) / 32];
     for (int w = 0; w < partial.length(); ++w) {
         partial[w] = 0u;
-        for (int b = 0; b < min(32, SLICES - 32 * w); ++b) {
-            int k = 32 * w + b;
-            float weight = weightOf(p, k);
+#ifdef UNDECIDED_TILES
+        for (uint left = mayHide(w); left != 0u; left &= left - 1u) {
+            int i = 32 * w + findLSB(left);
+#else
+        for (int i = 32 * w; i < min(32 * w + 32, used); ++i) {
+#endif
+            float weight = weightOf(p.z, i);
             if (weight <= 0.0) break;
-            counting = k + 1;
 #ifdef EARLY_OUTS
-            float rough = roughly(kernelOn(p, slices[k].x), k);
+            float rough = roughly(kernelOn(p, slices[i].x), i);
             if (rough == 1.0 && weight == 1.0) return 0.0;
             if (rough == 0.0) continue;
 #endif
-            partial[w] |= 1u << b;
+            partial[w] |= 1u << (i & 31);
         }
     }
     for (int i = 0; i < kAll; ++i) covered[i] = Covered(0.0, 0.0, 0.0);
     int previous = -1;
     for (int w = 0; w < partial.length(); ++w)
         for (uint left = partial[w]; left != 0u; left &= left - 1u) {
-            int k = 32 * w + findLSB(left);
+            int i = 32 * w + findLSB(left), number = int(slices[i].w);
             // Past empty slices a run of them is over.
-            if (k > previous + 1)
-                for (int i = 0; i < kAll; ++i) cover(covered[i], 0.0);
-            previous = k;
-            float weight = weightOf(p, k);
+            if (number > previous + 1)
+                for (int c = 0; c < kAll; ++c) cover(covered[c], 0.0);
+            previous = number;
+            float weight = weightOf(p.z, i);
 #ifdef CONTACT
-            if (weight < 1.0 && castsFrom(k, p)) weight = 1.0;
+            if (weight < 1.0 && castsFrom(i, p)) weight = 1.0;
 #endif
-            coverBy(kernelOn(p, slices[k].x), k, weight);
+            coverBy(kernelOn(p, slices[i].x), i, weight);
         }
 #ifdef CONTACT
-    coverByContact(unmoved, counting > 0 ? slices[counting - 1].y : 0.0, previous == counting - 1);
+    coverByContact(unmoved, aboveM(p), previous == slicesAbove(p) - 1);
 #endif
     float sum = 0.0;
     for (int i = 0; i < kAll; ++i) sum += total(covered[i]);
@@ -322,15 +361,11 @@ void main() {
         visibility = 1.0;
         return;
     }
-    // Slopes are moved off their own rasterised outline, by the more the steeper they are; surfaces
-    // parallel to the light lie within one slice and stay where they are.
-    vec2 texelM = 1.0 / (uvScale * shrink(p.z) * mapSize);
-    vec3 moved =
-        p + n * (p_bias * max(texelM.x, texelM.y) * sqrt(max(1.0 - n.z * n.z, 0.0)));
 #ifdef CONTACT
     receiver = lightPoint(position, normal);
 #endif
-    visibility = lit(moved, p);
+    visibility = lit(movedOff(p, n), p);
 }
+#endif
 #endif
 #endif

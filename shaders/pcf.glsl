@@ -1,4 +1,8 @@
+#ifdef UNDECIDED_TILES
+#include "common/pixel_classes.glsl"
+#else
 #include "common/receiver.glsl"
+#endif
 #include "common/light_view.glsl"
 
 #ifdef STAGE_FRAGMENT

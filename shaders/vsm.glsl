@@ -35,7 +35,11 @@ void main() {
 
 #else
 
+#ifdef UNDECIDED_TILES
+#include "common/pixel_classes.glsl"
+#else
 #include "common/receiver.glsl"
+#endif
 #include "common/light_view.glsl"
 #ifdef STAGE_FRAGMENT
 #ifdef KERNEL_POINT

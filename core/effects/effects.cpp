@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "core/error.hpp"
-#include "core/scene/scene.hpp"
 
 namespace penumbra {
 namespace {
@@ -49,9 +48,9 @@ std::string EffectSet::text() const {
 
 EffectChoice EffectChoice::parse(const std::string& text) {
     if (text == "auto") return {};
-    if (text == "all") return {false, EffectSet::all(), true};
-    if (text == "none") return {false, {}, false};
-    EffectChoice choice{false, {}, false};
+    if (text == "all") return {false, EffectSet::all(), {}, true};
+    if (text == "none") return {false, {}, {}, false};
+    EffectChoice choice{false, {}, {}, false};
     std::size_t begin = 0;
     while (true) {
         const std::size_t comma = text.find(',', begin);
@@ -61,23 +60,15 @@ EffectChoice EffectChoice::parse(const std::string& text) {
     }
 }
 
-EffectSet effectsCalledFor(const Scene& scene, const SceneFrame& frame) {
-    // Whether these three show depends on what lies between light and receivers; leaving one out
-    // unseen would be an error, calling for it needlessly only costs time.
-    EffectSet effects{Effect::self_shadow, Effect::thin_casters, Effect::layered_casters};
-    if (!frame.light.isPoint()) effects.add(Effect::penumbra);
-    if (std::ranges::any_of(frame.geometry->parts, [&](const Part& part) {
-            return scene.materials[static_cast<std::size_t>(part.material)].masked;
-        }))
-        effects.add(Effect::alpha_mask);
-    if (scene.movingLight) effects.add(Effect::moving_light);
-    if (scene.movingCasters) effects.add(Effect::moving_casters);
-    if (scene.movingCamera) effects.add(Effect::moving_camera);
+EffectSet EffectFindings::calledFor() const {
+    EffectSet effects;
+    for (const EffectInfo& info : allEffects())
+        if ((*this)[info.effect].calledFor) effects.add(info.effect);
     return effects;
 }
 
 Plan planFor(const EffectChoice& choice, const EffectSet& calledFor, const EffectSet& canSimulate) {
-    const EffectSet called = choice.automatic ? calledFor : choice.forced;
+    const EffectSet called = choice.automatic ? calledFor - choice.leftOut : choice.forced;
     return {called & canSimulate, canSimulate - called, called - canSimulate, choice.everyPixel};
 }
 

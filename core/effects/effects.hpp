@@ -8,10 +8,8 @@
 
 namespace penumbra {
 
-class Scene;
-struct SceneFrame;
-
-/// Something a scene may or may not call for (DESIGN: "simulate only the effects a scene calls for").
+/// Something a scene may or may not call for (DESIGN: "simulate only the effects a scene calls
+/// for").
 enum class Effect {
     penumbra,         ///< the light has extent that shows
     self_shadow,      ///< a caster shadows itself
@@ -75,12 +73,31 @@ struct Plan {
 struct EffectChoice {
     bool automatic = true;
     EffectSet forced;
+    EffectSet leftOut;  ///< of what the scene calls for, where automatic: to see what it costs
     bool everyPixel = false;  ///< `all`: nothing is left out at any pixel either
     static EffectChoice parse(const std::string& text);
 };
 
-/// What the scene calls for, decided from its materials, light and tracks.
-EffectSet effectsCalledFor(const Scene& scene, const SceneFrame& frame);
+/// What analysis found out about one effect in a frame.
+struct EffectFinding {
+    bool calledFor = true;
+    std::string evidence;  ///< why, in words
+    bool operator==(const EffectFinding&) const = default;
+};
+
+/// One finding for each effect.
+class EffectFindings {
+  public:
+    EffectFinding& operator[](Effect e) { return findings_[static_cast<std::size_t>(e)]; }
+    const EffectFinding& operator[](Effect e) const {
+        return findings_[static_cast<std::size_t>(e)];
+    }
+    EffectSet calledFor() const;
+    bool operator==(const EffectFindings&) const = default;
+
+  private:
+    std::array<EffectFinding, kEffectCount> findings_;
+};
 
 Plan planFor(const EffectChoice& choice, const EffectSet& calledFor, const EffectSet& canSimulate);
 

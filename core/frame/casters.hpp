@@ -14,8 +14,11 @@ struct Casters {
     /// Mean thickness of each, metres: twice its volume over its area, 0 where it has no inside
     /// because some edge has a triangle on one side only.
     std::vector<double> thicknessM;
+    /// Whether the normals of its triangles, by the right-hand rule, point into it; means something
+    /// where it has an inside.
+    std::vector<char> insideOut;
 
-    /// O(n log n) in the triangles.
+    /// Of positions that are finite. O(n) in the triangles.
     static Casters find(const Geometry& geometry);
 };
 

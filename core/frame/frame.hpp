@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 
+#include "core/frame/caster_facts.hpp"
 #include "core/frame/gbuffer.hpp"
 #include "core/frame/gpu_geometry.hpp"
 #include "core/frame/light_bounds.hpp"
@@ -30,7 +31,8 @@ struct Frame {
     const GBuffer& gbuffer;
     const GBufferTextures& gbufferTextures;
     const GpuGeometry& gpuGeometry;
-    std::uint32_t seed = 0;  ///< of this run; two frames of one seed give the same image
+    CasterFacts casterFacts;  ///< of `geometry`
+    std::uint32_t seed = 0;   ///< of this run; two frames of one seed give the same image
 
     int width() const { return gbuffer.width; }
     int height() const { return gbuffer.height; }

@@ -79,23 +79,22 @@ void GpuMaterials::bind(int material, GLuint unit) const {
 GpuGeometry::GpuGeometry(std::shared_ptr<const Geometry> geometry, const GpuMaterials& materials)
     : geometry_(std::move(geometry)), materials_(&materials) {
     // Parts by batch: -1 (all opaque ones) first, then each masked material.
-    std::map<int, std::vector<const Part*>> partsOfBatch;
-    for (const Part& part : geometry_->parts) {
-        const bool masked = materials.materials()[static_cast<std::size_t>(part.material)].masked;
-        partsOfBatch[masked ? part.material : -1].push_back(&part);
+    std::map<int, std::vector<std::size_t>> partsOfBatch;
+    for (std::size_t p = 0; p < geometry_->parts.size(); ++p) {
+        const int material = geometry_->parts[p].material;
+        const bool masked = materials.materials()[static_cast<std::size_t>(material)].masked;
+        partsOfBatch[masked ? material : -1].push_back(p);
     }
     std::vector<std::uint32_t> indices;
     indices.reserve(geometry_->indices.size());
     for (const auto& [material, parts] : partsOfBatch) {
-        Batch batch;
-        batch.material = material;
-        batch.firstIndex = static_cast<std::uint32_t>(indices.size());
-        for (const Part* part : parts) {
-            const auto first = geometry_->indices.begin() + part->firstIndex;
-            indices.insert(indices.end(), first, first + part->indexCount);
+        batches_.push_back({material, parts_.size(), parts_.size() + parts.size()});
+        for (const std::size_t p : parts) {
+            const Part& part = geometry_->parts[p];
+            parts_.push_back({p, static_cast<std::uint32_t>(indices.size()), part.indexCount});
+            const auto first = geometry_->indices.begin() + part.firstIndex;
+            indices.insert(indices.end(), first, first + part.indexCount);
         }
-        batch.indexCount = static_cast<std::uint32_t>(indices.size()) - batch.firstIndex;
-        if (batch.indexCount > 0) batches_.push_back(batch);
     }
 
     positions_ = uploadArray(geometry_->positions);
@@ -111,17 +110,28 @@ GpuGeometry::GpuGeometry(std::shared_ptr<const Geometry> geometry, const GpuMate
     glVertexArrayElementBuffer(id, indices_.id());
 }
 
-void GpuGeometry::draw(GLuint program, bool alphaMask, int instances) const {
-    const auto drawRange = [instances](std::uint32_t firstIndex, std::uint32_t indexCount) {
-        const auto offset = static_cast<std::uintptr_t>(firstIndex) * sizeof(std::uint32_t);
-        glDrawElementsInstanced(GL_TRIANGLES, static_cast<GLsizei>(indexCount), GL_UNSIGNED_INT,
-                                reinterpret_cast<const void*>(offset), instances);
-    };
+void GpuGeometry::drawParts(std::size_t first, std::size_t end, int instances,
+                            std::span<const PartFacts> only) const {
+    const auto drawn = [&](std::size_t i) { return only.empty() || only[parts_[i].part].casts; };
+    while (first < end) {
+        std::size_t last = first;
+        std::uint32_t indexCount = 0;
+        for (; last < end && drawn(last); ++last) indexCount += parts_[last].indexCount;
+        const auto offset =
+            static_cast<std::uintptr_t>(parts_[first].firstIndex) * sizeof(std::uint32_t);
+        if (indexCount > 0)
+            glDrawElementsInstanced(GL_TRIANGLES, static_cast<GLsizei>(indexCount), GL_UNSIGNED_INT,
+                                    reinterpret_cast<const void*>(offset), instances);
+        first = last + 1;
+    }
+}
+
+void GpuGeometry::draw(GLuint program, bool alphaMask, int instances,
+                       std::span<const PartFacts> only) const {
     glBindVertexArray(vertexArray_.id());
     if (!alphaMask) {
         setAlphaUniforms(program, nullptr);
-        if (!batches_.empty())
-            drawRange(0, batches_.back().firstIndex + batches_.back().indexCount);
+        drawParts(0, parts_.size(), instances, only);
     } else {
         for (const Batch& batch : batches_) {
             const Material* masked =
@@ -130,7 +140,7 @@ void GpuGeometry::draw(GLuint program, bool alphaMask, int instances) const {
                     : &materials_->materials()[static_cast<std::size_t>(batch.material)];
             setAlphaUniforms(program, masked);
             if (masked) materials_->bind(batch.material, 0);
-            drawRange(batch.firstIndex, batch.indexCount);
+            drawParts(batch.firstPart, batch.endPart, instances, only);
         }
     }
     glBindVertexArray(0);

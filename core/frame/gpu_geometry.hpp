@@ -1,8 +1,10 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
+#include "core/frame/caster_facts.hpp"
 #include "core/gl/handles.hpp"
 #include "core/scene/geometry.hpp"
 #include "core/scene/material.hpp"
@@ -30,22 +32,33 @@ class GpuGeometry {
     GpuGeometry(std::shared_ptr<const Geometry> geometry, const GpuMaterials& materials);
 
     const Geometry& geometry() const { return *geometry_; }
+    const GpuMaterials& materials() const { return *materials_; }
     /// Draws every triangle with the program in use, `instances` times: all opaque parts in one
     /// call, then one call per alpha-masked material with its texture on unit 0 and the uniforms
     /// `alphaMasked`, `alphaCutoff` and `alphaFactor` of shaders/common/alpha.glsl set. With
-    /// `alphaMask` false every part is drawn as opaque.
-    void draw(GLuint program, bool alphaMask, int instances = 1) const;
+    /// `alphaMask` false every part is drawn as opaque. With `only`, the facts of each Part of the
+    /// geometry, just those that cast are drawn, neighbours among them in one call.
+    void draw(GLuint program, bool alphaMask, int instances = 1,
+              std::span<const PartFacts> only = {}) const;
 
   private:
     struct Batch {
-        int material = -1;  ///< -1: opaque
-        std::uint32_t firstIndex = 0, indexCount = 0;
+        int material = -1;                       ///< -1: opaque
+        std::size_t firstPart = 0, endPart = 0;  ///< of parts_
     };
+    struct DrawnPart {
+        std::size_t part;  ///< in Geometry::parts
+        std::uint32_t firstIndex, indexCount;
+    };
+    void drawParts(std::size_t first, std::size_t end, int instances,
+                   std::span<const PartFacts> only) const;
+
     std::shared_ptr<const Geometry> geometry_;
     const GpuMaterials* materials_;
     gl::Buffer positions_, uvs_, normals_, indices_;
     gl::VertexArray vertexArray_;
     std::vector<Batch> batches_;
+    std::vector<DrawnPart> parts_;  ///< in the order of their indices, batch by batch
 };
 
 }  // namespace penumbra

@@ -29,14 +29,6 @@ void merge(SideBounds& a, const SideBounds& b) {
     a.casterNearM = std::min(a.casterNearM, b.casterNearM);
 }
 
-LightBounds merged(LightBounds a, const LightBounds& b) {
-    merge(a.whole, b.whole);
-    for (std::size_t i = 0; i < a.sides.size(); ++i) merge(a.sides[i], b.sides[i]);
-    for (std::size_t i = 0; i < a.fromCorners.size(); ++i)
-        merge(a.fromCorners[i], b.fromCorners[i]);
-    return a;
-}
-
 std::size_t dominantSide(const glm::dvec3& l) {
     const double ax = std::abs(l.x), ay = std::abs(l.y);
     if (std::max(ax, ay) <= l.z) return 0;
@@ -51,6 +43,14 @@ glm::dvec3 inAxes(const Axes& axes, const glm::dvec3& p) {
 }
 
 }  // namespace
+
+LightBounds united(LightBounds a, const LightBounds& b) {
+    merge(a.whole, b.whole);
+    for (std::size_t i = 0; i < a.sides.size(); ++i) merge(a.sides[i], b.sides[i]);
+    for (std::size_t i = 0; i < a.fromCorners.size(); ++i)
+        merge(a.fromCorners[i], b.fromCorners[i]);
+    return a;
+}
 
 Axes lightSideAxes(const AreaLight& light, std::size_t side) {
     const glm::dvec3 u = light.axisU, v = light.axisV, n = light.normal();
@@ -91,7 +91,7 @@ LightBounds boundLight(const AreaLight& light, const GBuffer& gbuffer, const Geo
             }
             return b;
         },
-        merged);
+        united);
     return tbb::parallel_reduce(
         Range(0, geometry.positions.size(), 8192), receivers,
         [&](const Range& range, LightBounds b) {
@@ -105,7 +105,7 @@ LightBounds boundLight(const AreaLight& light, const GBuffer& gbuffer, const Geo
             }
             return b;
         },
-        merged);
+        united);
 }
 
 }  // namespace penumbra

@@ -27,7 +27,8 @@ struct TangentBounds {
 };
 
 /// The receivers that the camera sees (scored and horizon pixels) and the casters as seen from the
-/// light's centre, measured once per frame and shared by every method that fits a light view.
+/// light's centre, shared by every method that fits a light view: of one frame, or of all frames
+/// (united) where neither light nor casters move.
 struct LightBounds {
     SideBounds whole;                 ///< all receivers in the frame of the light's normal
     std::array<SideBounds, 5> sides;  ///< split by dominant axis: front, +u, -u, +v, -v
@@ -36,6 +37,9 @@ struct LightBounds {
     std::array<TangentBounds, 2> fromCorners;
     bool operator==(const LightBounds&) const = default;
 };
+
+/// Of the receivers and casters of both.
+LightBounds united(LightBounds a, const LightBounds& b);
 
 LightBounds boundLight(const AreaLight& light, const GBuffer& gbuffer, const Geometry& geometry);
 

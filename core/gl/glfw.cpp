@@ -3,6 +3,7 @@
 
 #include "core/error.hpp"
 #include "core/gl/backends.hpp"
+#include "core/gl/window.hpp"
 
 namespace penumbra::gl {
 namespace {
@@ -13,36 +14,35 @@ std::string lastGlfwError() {
     return description ? description : "no reason given";
 }
 
-class GlfwContext final : public Context {
-  public:
-    GlfwContext() {
-        if (!glfwInit()) throw InputError("glfw: no display: " + lastGlfwError());
-        try {
-            glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
-            glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
-            glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
-            glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
-            glfwWindowHint(GLFW_DEPTH_BITS, 0);
-            glfwWindowHint(GLFW_STENCIL_BITS, 0);
-            GLFWwindow* window = glfwCreateWindow(16, 16, "Penumbra", nullptr, nullptr);
-            if (!window) throw InputError("glfw: no OpenGL 4.5 window: " + lastGlfwError());
-            glfwMakeContextCurrent(window);
-            glfwSwapInterval(0);
-            initialise(glfwGetProcAddress, "glfw");
-        } catch (...) {
-            glfwTerminate();
-            throw;
-        }
-    }
-    ~GlfwContext() override { glfwTerminate(); }  // destroys the window and its context
-
-    ContextKind kind() const override { return ContextKind::glfw; }
-};
-
 }  // namespace
 
+Window::Window(const WindowOptions& options) {
+    if (!glfwInit()) throw InputError("glfw: no display: " + lastGlfwError());
+    try {
+        glfwWindowHint(GLFW_VISIBLE, options.visible ? GLFW_TRUE : GLFW_FALSE);
+        glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
+        glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
+        glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+        glfwWindowHint(GLFW_DEPTH_BITS, 0);
+        glfwWindowHint(GLFW_STENCIL_BITS, 0);
+        window_ = glfwCreateWindow(options.width, options.height, options.title.c_str(), nullptr,
+                                   nullptr);
+        if (!window_) throw InputError("glfw: no OpenGL 4.5 window: " + lastGlfwError());
+        glfwMakeContextCurrent(window_);
+        glfwSwapInterval(0);
+        initialise(glfwGetProcAddress, "glfw");
+    } catch (...) {
+        glfwTerminate();
+        throw;
+    }
+}
+
+Window::~Window() {
+    glfwTerminate();  // destroys the window and its context
+}
+
 std::unique_ptr<Context> createGlfw() {
-    return std::make_unique<GlfwContext>();
+    return std::make_unique<Window>(WindowOptions{});
 }
 
 }  // namespace penumbra::gl

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cerrno>
 #include <cmath>
@@ -57,6 +58,36 @@ void writeAtomically(const std::filesystem::path& path, const std::vector<unsign
 }
 
 /// Encodes in memory, because OpenImageIO does not report what fails when a file is closed.
+std::uint8_t srgbByte(float x) {
+    const float encoded = x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1 / 2.4f) - 0.055f;
+    return static_cast<std::uint8_t>(std::lround(255.0f * encoded));
+}
+
+/// srgbByte of [0,1] as the values at which it steps.
+class SrgbSteps {
+  public:
+    SrgbSteps() {
+        for (int i = 0; i <= kCells; ++i)
+            first_[static_cast<std::size_t>(i)] = srgbByte(static_cast<float>(i) / kCells);
+        for (std::size_t byte = 1; byte < least_.size(); ++byte) {
+            float below = 0.0f, from = 1.0f;  // adjacent floats once nothing is between them
+            for (float x = 0.5f; x > below && x < from; x = 0.5f * (below + from))
+                (srgbByte(x) < byte ? below : from) = x;
+            least_[byte] = from;
+        }
+    }
+    std::uint8_t byteOf(float x) const {
+        std::uint8_t byte = first_[static_cast<std::size_t>(x * kCells)];
+        while (byte < 255 && x >= least_[byte + 1u]) ++byte;
+        return byte;
+    }
+
+  private:
+    static constexpr int kCells = 4096;
+    std::array<std::uint8_t, kCells + 1> first_{};
+    std::array<float, 256> least_{};  ///< value from which on it is this byte
+};
+
 void encodeAndWrite(const std::filesystem::path& path, const char* format,
                     const OIIO::ImageSpec& spec, OIIO::TypeDesc type, const void* pixels) {
     std::vector<unsigned char> bytes;
@@ -69,13 +100,6 @@ void encodeAndWrite(const std::filesystem::path& path, const char* format,
         !output->write_image(type, pixels) || !output->close())
         throw std::runtime_error(fmt::format("{}: {}", path.string(), output->geterror()));
     writeAtomically(path, bytes);
-}
-
-/// IEC 61966-2-1; NaN becomes 0.
-std::uint8_t srgb8(float linear) {
-    const float x = linear > 0.0f ? std::min(linear, 1.0f) : 0.0f;
-    const float encoded = x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1 / 2.4f) - 0.055f;
-    return static_cast<std::uint8_t>(std::lround(255.0f * encoded));
 }
 
 }  // namespace
@@ -115,14 +139,27 @@ void writeExr(const std::filesystem::path& path, const Image& image) {
     encodeAndWrite(path, "exr", spec, OIIO::TypeDesc::FLOAT, image.pixels.data());
 }
 
+std::uint8_t srgb8(float linear) {
+    // A run's grids have some hundred million of them: looked up, for pow takes ten times as long.
+    static const SrgbSteps steps;
+    return steps.byteOf(linear > 0.0f ? std::min(linear, 1.0f) : 0.0f);
+}
+
 void writePng(const std::filesystem::path& path, const Image& linearRgb) {
     if (linearRgb.channelCount() != 3)
         throw std::logic_error("writePng: three channels are needed");
     std::vector<std::uint8_t> encoded(linearRgb.pixels.size());
     std::ranges::transform(linearRgb.pixels, encoded.begin(), srgb8);
-    OIIO::ImageSpec spec(linearRgb.width, linearRgb.height, 3, OIIO::TypeDesc::UINT8);
+    writePngBytes(path, linearRgb.width, linearRgb.height, encoded);
+}
+
+void writePngBytes(const std::filesystem::path& path, int width, int height,
+                   std::span<const std::uint8_t> rgb) {
+    if (rgb.size() != 3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height))
+        throw std::logic_error("writePngBytes: three bytes a pixel are needed");
+    OIIO::ImageSpec spec(width, height, 3, OIIO::TypeDesc::UINT8);
     spec.attribute("oiio:ColorSpace", "sRGB");
-    encodeAndWrite(path, "png", spec, OIIO::TypeDesc::UINT8, encoded.data());
+    encodeAndWrite(path, "png", spec, OIIO::TypeDesc::UINT8, rgb.data());
 }
 
 Image readImage(const std::filesystem::path& path) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -41,6 +42,14 @@ Image readImage(const std::filesystem::path& path);
 /// 8-bit RGB PNG from linear values in [0,1] (sRGB encoded, clamped); three channels expected.
 /// Atomic as writeExr.
 void writePng(const std::filesystem::path& path, const Image& linearRgb);
+
+/// The byte that writePng() has for a linear value: sRGB encoded (IEC 61966-2-1), clamped; NaN is
+/// 0.
+std::uint8_t srgb8(float linear);
+
+/// 8-bit RGB PNG from bytes as they shall be shown, three a pixel. Atomic as writeExr.
+void writePngBytes(const std::filesystem::path& path, int width, int height,
+                   std::span<const std::uint8_t> rgb);
 
 /// Draws `text` into three channels with its baseline starting at (x, y), `sizePx` high, in linear
 /// `rgb`. Its ink lies within [x, x + textWidth()) and is clipped to the image. Throws

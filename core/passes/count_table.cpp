@@ -1,5 +1,7 @@
 #include "core/passes/count_table.hpp"
 
+#include <algorithm>
+
 namespace penumbra {
 namespace {
 
@@ -28,7 +30,8 @@ void CountTable::build(const SlicePass& slices, double maxBoxTexels) {
     lanes_ = maxBoxTexels <= 65535.0 ? 2 : 1;
     const bool bits = slices.targets() == SliceTargets::bits;
     const gl::Texture& source = bits ? slices.bits() : slices.channels();
-    const int side = source.width(), layers = (slices.slices() + 4 * lanes_ - 1) / (4 * lanes_);
+    const int side = source.width(),
+              layers = (std::max(slices.used(), 1) + 4 * lanes_ - 1) / (4 * lanes_);
     if (rowSums_.width() != side + 1 || rowSums_.layers() != layers) {
         rowSums_ = gl::Texture::createArray(GL_RGBA32UI, side + 1, side + 1, layers);
         planes_ = gl::Texture::createArray(GL_R32UI, side + 1, side + 1, 4 * layers);

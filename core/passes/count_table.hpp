@@ -20,10 +20,11 @@ class CountTable {
     /// For the current context.
     static CountTable create();
 
-    /// `maxBoxTexels` is the area of the largest box of whole texels that will be asked for.
+    /// Of the used slices. `maxBoxTexels` is the area of the largest box of whole texels that will
+    /// be asked for.
     void build(const SlicePass& slices, double maxBoxTexels);
 
-    /// R32UI 2D array: slice k is plane k / lanes(), in half k % lanes() of its numbers.
+    /// R32UI 2D array: the used slice i is plane i / lanes(), in half i % lanes() of its numbers.
     const gl::Texture& planes() const { return planes_; }
     int lanes() const { return lanes_; }  ///< slices that share a plane, 1 or 2
     double mebibytes() const { return rowSums_.mebibytes() + planes_.mebibytes(); }

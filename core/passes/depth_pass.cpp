@@ -5,11 +5,12 @@
 
 namespace penumbra {
 
-DepthPass::DepthPass(bool alphaMask)
+DepthPass::DepthPass(bool alphaMask, bool onlyCasting)
     : program_(gl::Program::graphics(
           "common/depth_pass.glsl",
           alphaMask ? std::vector<std::string>{"ALPHA_MASK"} : std::vector<std::string>{})),
-      alphaMask_(alphaMask) {
+      alphaMask_(alphaMask),
+      onlyCasting_(onlyCasting) {
     GLuint id = 0;
     glCreateFramebuffers(1, &id);
     framebuffer_ = gl::Framebuffer(id);
@@ -54,6 +55,9 @@ void DepthPass::render(const Frame& frame, std::span<const LightView> views, int
     glViewport(0, 0, size, size);
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());
     program_.use();
+    const std::span<const PartFacts> only =
+        onlyCasting_ ? std::span<const PartFacts>(frame.casterFacts.parts)
+                     : std::span<const PartFacts>();
     for (int layer = 0; layer < layers; ++layer) {
         glNamedFramebufferTextureLayer(framebuffer_.id(), GL_DEPTH_ATTACHMENT, map_.id(), 0,
                                        firstLayer + layer);
@@ -61,7 +65,7 @@ void DepthPass::render(const Frame& frame, std::span<const LightView> views, int
         glClearNamedFramebufferfv(framebuffer_.id(), GL_DEPTH, 0, &kNothing);
         const auto index = static_cast<std::size_t>(layer);
         program_.set("clipFromWorld", views[index / tiles].clipFromWorld(index % tiles));
-        frame.gpuGeometry.draw(program_.id(), alphaMask_);
+        frame.gpuGeometry.draw(program_.id(), alphaMask_, 1, only);
     }
     glDisable(GL_DEPTH_CLAMP);
     glDisable(GL_DEPTH_TEST);

@@ -13,10 +13,12 @@ namespace penumbra {
 class DepthPass {
   public:
     DepthPass() = default;
-    /// Compiles the program, with or without the alpha test; maps are allocated by render.
-    explicit DepthPass(bool alphaMask);
+    /// Compiles the program, with or without the alpha test; maps are allocated by render. With
+    /// `onlyCasting` parts that shadow nothing (CasterFacts) are not drawn: for plans without
+    /// Effect::self_shadow.
+    explicit DepthPass(bool alphaMask, bool onlyCasting = false);
 
-    /// Renders all casters into `size` x `size` texels per tile. Sets all GL state it needs.
+    /// Renders the casters into `size` x `size` texels per tile. Sets all GL state it needs.
     void render(const Frame& frame, const LightView& view, int size);
     /// Several views of equally many tiles: tile t of view i into layer (firstView + i) * tiles +
     /// t. view() and bind are the first one's. Other layers are kept; with `firstView` the views
@@ -37,7 +39,7 @@ class DepthPass {
     gl::Texture map_;
     gl::Framebuffer framebuffer_;
     LightView view_;
-    bool alphaMask_ = false;
+    bool alphaMask_ = false, onlyCasting_ = false;
 };
 
 /// For reading a depth pass's map as a sampler2DArrayShadow: the share, bilinear, of the four

@@ -2,15 +2,58 @@
 
 #include <algorithm>
 
+#include "core/frame/shadow_casters.hpp"
+
 namespace penumbra {
-LightMaps::LightMaps(bool alphaMask)
-    : depth_(alphaMask),
+namespace {
+
+/// Lookups of the widest kernel, 5 x 5, and rounding to spare.
+constexpr double kMarginTexels = 4.0;
+
+double marginM(const LightView& view, const LightBounds& bounds, int size) {
+    double tangent = 0.0, farM = bounds.whole.receiverFarM;
+    for (const LightTile& tile : view.tiles)
+        tangent = std::max({tangent, tile.tangentSize().x, tile.tangentSize().y});
+    if (view.tiles.size() > 1)
+        for (const SideBounds& side : bounds.sides) farM = std::max(farM, side.receiverFarM);
+    return kMarginTexels * tangent / size * farM;
+}
+
+}  // namespace
+
+LightMaps::LightMaps(const Plan& plan)
+    : all_(plan.everyPixel),
+      onlyCasting_(!plan.has(Effect::self_shadow)),
+      depth_(plan.has(Effect::alpha_mask)),
       sampleBuffer_(
           gl::Buffer::create(kMaxSamples * sizeof(GpuSample), nullptr, GL_DYNAMIC_STORAGE_BIT)) {}
 
 void LightMaps::fit(const Frame& frame, int size, bool wholeLight) {
     views_ = TranslatedViews(frame, size, wholeLight);
     size_ = size;
+    half_ = wholeLight ? glm::dvec2(frame.light.halfU, frame.light.halfV) : glm::dvec2(0.0);
+    casters_ = frame.geometry;
+    gpuCasters_.reset();
+    if (all_) return;
+    const LightView centre = views_.from(glm::dvec2(0.0));
+    casters_ = std::make_shared<const Geometry>(
+        shadowCasters(frame, {wholeLight, onlyCasting_, marginM(centre, frame.lightBounds, size)}));
+    gpuCasters_ = std::make_unique<GpuGeometry>(casters_, frame.gpuGeometry.materials());
+}
+
+glm::dvec2 LightMaps::reachTangent(int kernel) const {
+    // The texels of a kernel are within half of its width of the place it is around; rasterisation
+    // moves vertices by a 256th.
+    const double texels = 0.5 * kernel + 0.01;
+    return texels / size_ * views_.from(glm::dvec2(0.0)).tiles[0].tangentSize();
+}
+
+void LightMaps::drawDepth(const Frame& frame, std::span<const LightView> views, int before) {
+    if (!gpuCasters_) return depth_.render(frame, views, size_, before);
+    const Frame reduced{frame.scene,           frame.index,  frame.light,       frame.lightBounds,
+                        frame.camera,          casters_,     frame.tracer,      frame.gbuffer,
+                        frame.gbufferTextures, *gpuCasters_, frame.casterFacts, frame.seed};
+    depth_.render(reduced, views, size_, before);
 }
 
 std::size_t LightMaps::capacity() const {
@@ -41,7 +84,7 @@ void LightMaps::append(const Frame& frame, std::span<const LightSample> samples)
                             glm::vec4(glm::vec3(view.centre - centre.centre), sample.weight)});
     }
     upload();
-    depth_.render(frame, views, size_, before);
+    drawDepth(frame, views, before);
 }
 
 void LightMaps::setWeights(std::span<const float> weights) {

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <memory>
 #include <span>
 #include <vector>
 
+#include "core/effects/effects.hpp"
 #include "core/frame/translated_views.hpp"
 #include "core/passes/depth_pass.hpp"
 
@@ -20,7 +22,10 @@ struct LightSample {
 class LightMaps {
   public:
     LightMaps() = default;
-    explicit LightMaps(bool alphaMask);
+    /// Compiles for the plan. Unless every pixel is to get all of the work the maps hold just what
+    /// shadowCasters leaves, without the parts that cast nothing where no receiver is near a caster
+    /// (no Effect::self_shadow).
+    explicit LightMaps(const Plan& plan);
 
     /// A new frame: fits its views, for maps of `size` texels across. With `wholeLight` false the
     /// only sample may be the light's centre, and its map is that of the method `hard`.
@@ -42,10 +47,17 @@ class LightMaps {
     /// to texture unit 0 and the samples to uniform buffer 1.
     void bind(const gl::Program& program) const;
 
+    /// What the maps hold: the frame's own geometry or what shadowCasters left of it.
+    const Geometry& casters() const { return *casters_; }
+    /// Half of the light where `wholeLight`, else 0, and how far beside a receiver's place lookups
+    /// of `kernel` x `kernel` texels reach in every map, in tangents: for LitTiles.
+    const glm::dvec2& half() const { return half_; }
+    glm::dvec2 reachTangent(int kernel) const;
     int count() const { return static_cast<int>(samples_.size()); }
     float weight() const { return weight_; }  ///< of all that are selected
     LightView centre() const { return views_.from(glm::dvec2(0.0)); }
     int tileCount() const { return static_cast<int>(views_.tileCount()); }
+    const gl::Texture& texture() const { return depth_.map(); }  ///< as DepthPass::map
     double mebibytes() const { return depth_.map().mebibytes(); }
 
     static constexpr std::size_t kMaxSamples = 256;  ///< 8 KiB of uniforms; in the shader, too
@@ -58,7 +70,12 @@ class LightMaps {
         glm::vec4 offsetWeight;
     };
     void upload();
+    void drawDepth(const Frame& frame, std::span<const LightView> views, int before);
 
+    bool all_ = true, onlyCasting_ = false;
+    std::shared_ptr<const Geometry> casters_;
+    std::unique_ptr<GpuGeometry> gpuCasters_;
+    glm::dvec2 half_{0.0};
     TranslatedViews views_;
     int size_ = 0;
     DepthPass depth_;

@@ -23,6 +23,19 @@ void reserve(gl::Buffer& buffer, std::size_t bytes) {
 
 }  // namespace
 
+std::vector<MapComparison> comparisonsOf(const LightTree::Leaf& leaf, bool allPairs) {
+    const auto& [a, b, c, d] = leaf.corners;
+    std::vector<MapComparison> comparisons;
+    if (allPairs) {
+        comparisons.push_back({a, b, c, d});
+    } else {
+        comparisons.push_back({a, d, a, d});
+        if (a != b && a != c) comparisons.push_back({b, c, b, c});
+    }
+    if (leaf.centre >= 0) comparisons.push_back({a, leaf.centre, a, leaf.centre});
+    return comparisons;
+}
+
 int receiversAmong(const GBuffer& gbuffer, int stride) {
     int receivers = 0;
     for (int row = 0; row < gbuffer.height; row += stride)

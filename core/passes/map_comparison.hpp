@@ -9,11 +9,16 @@
 #include "core/gl/handles.hpp"
 #include "core/gl/program.hpp"
 #include "core/passes/light_maps.hpp"
+#include "core/sampling/light_tree.hpp"
 
 namespace penumbra {
 
 /// Maps that are to agree at a pixel, by their index in LightMaps. Two are named twice: a b a b.
 using MapComparison = glm::ivec4;
+
+/// Comparisons that a part of the light is judged by: all its corners with each other or, with
+/// `allPairs` false, opposite ones; and its centre, where it has one, with a corner.
+std::vector<MapComparison> comparisonsOf(const LightTree::Leaf& leaf, bool allPairs);
 
 /// Square tiles of an image, the last ones cut off by its rim; one tile holds all where they are as
 /// large as the image.

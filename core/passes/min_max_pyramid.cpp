@@ -24,13 +24,14 @@ MinMaxPyramid MinMaxPyramid::create() {
     return pyramid;
 }
 
-void MinMaxPyramid::build(const DepthPass& depth) {
+void MinMaxPyramid::build(const DepthPass& depth, double widestTexels) {
     const gl::DebugGroup group("min/max pyramid");
     const gl::Texture& map = depth.map();
     blockTexels_ = kLeastBlockTexels;
     while (kMostBlocks * blockTexels_ < map.width()) blockTexels_ *= 2;
     const int blocks = (map.width() + blockTexels_ - 1) / blockTexels_;
-    levels_ = std::bit_width(static_cast<unsigned>(blocks));
+    const double widestBlocks = std::clamp(widestTexels / blockTexels_, 1.0, double(blocks));
+    levels_ = std::bit_width(static_cast<unsigned>(widestBlocks));
     if (texture_.width() != blocks || texture_.layers() != map.layers() * levels_)
         texture_ = gl::Texture::createArray(GL_RGBA32UI, blocks, blocks, map.layers() * levels_);
 

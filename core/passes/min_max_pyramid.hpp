@@ -25,8 +25,9 @@ class MinMaxPyramid {
     /// Compiles; the texture is allocated by build.
     static MinMaxPyramid create();
 
-    /// Bounds `depth`'s map as it was rendered last. Sets all GL state it needs.
-    void build(const DepthPass& depth);
+    /// Bounds `depth`'s map as it was rendered last, in windows of up to `widestTexels` across and
+    /// of one block at least. Sets all GL state it needs.
+    void build(const DepthPass& depth, double widestTexels = 1e9);
 
     const gl::Texture& texture() const { return texture_; }
     int levels() const { return levels_; }

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <array>
+
 #include "core/frame/frame.hpp"
+#include "core/frame/lit_tiles.hpp"
 #include "core/gl/handles.hpp"
 #include "core/gl/program.hpp"
 #include "core/passes/depth_pass.hpp"
@@ -27,16 +30,32 @@ namespace penumbra {
 /// light's rim may see past what the centre sees) but what a filter over that map must answer:
 /// for pcss alone.
 ///
+/// With Footprint::box the question is another: what a filter answers that looks at a rectangle of
+/// the map around the receiver, all of it. Lit and dark tiles are those where all of its texels are
+/// under, or all block, whatever weights the filter gives them. Under is meant of the tangent plane
+/// itself, at every texel, so that the mean depth of any of them is behind the plane's own. With
+/// Footprint::moments dark are those where Chebyshev's bound is nothing as well, by the nearest and
+/// the farthest of the texels.
+///
 /// Pixels of undecided tiles know a box of the map outside of which nothing blocks.
 /// shaders/common/pixel_classes.glsl has the GLSL side.
+///
+/// A method whose answer rests on more than such a map brings a test of its own.
 class PixelClasses {
   public:
     /// What is decided besides lit tiles.
     enum class Dark { no, yes };
+    enum class Footprint { light, box, moments };  ///< moments: a box that vsm averages
 
     PixelClasses() = default;
     /// Compiles; textures are allocated by classify.
-    static PixelClasses create(Dark dark);
+    static PixelClasses create(Dark dark, Footprint footprint = Footprint::light);
+    /// With a method's own test: a program over the tiles, one fragment each, that includes
+    /// shaders/common/tile_class.glsl and writes `tileClass` as
+    /// shaders/common/pixel_classes.glsl reads it.
+    static PixelClasses create(gl::Program test);
+    /// For decide: compiles nothing that classifies.
+    static PixelClasses decided();
 
     /// Widths of the footprint at the receiver, in sizes of the light: as wide as the casters
     /// found make it within these. For casters at any height `most` has no bound.
@@ -47,8 +66,34 @@ class PixelClasses {
     /// Classes of the tiles of `frame`'s pixels under `depth`'s map and the pyramid built of it.
     void classify(const Frame& frame, const DepthPass& depth, const MinMaxPyramid& pyramid,
                   float biasTexels, const Kernel& kernel);
-    /// Runs `program` (UNDECIDED_TILES defined, all of its own textures but unit 2 bound) over the
-    /// pixels of undecided tiles. Sets all GL state it needs.
+
+    /// A rectangle around a receiver, along the light's u and v; in side tiles the wider extent
+    /// serves for both.
+    struct Box {
+        glm::dvec2 halfM{0.0};  ///< half extents at the receiver's depth, times:
+        Kernel kernel;          ///< clamp(nearestS / s - 1, least, most) of the receiver's s
+        std::array<float, 5> nearestS = {1, 1, 1, 1, 1};  ///< of tiles: of the nearest caster
+        /// Farther than half a texel from the rectangle's own places, texels that are looked at,
+        /// those of one place compared with one reference.
+        float padTexels = 0.0f;
+        /// Footprint::moments: depths per metre of each tile, the least variance of a cell, in
+        /// those, and what of Chebyshev's bound counts as nothing.
+        std::array<float, 5> depthPerM{};
+        float leastVariance = 0.0f, bleed = 0.0f;
+    };
+    /// Windows of the pyramid that are asked for of it, texels: MinMaxPyramid::build.
+    static double widestWindow(const Frame& frame, const DepthPass& depth, const Box& box);
+    /// The same for Footprint::box.
+    void classify(const Frame& frame, const DepthPass& depth, const MinMaxPyramid& pyramid,
+                  float biasTexels, const Box& box);
+    /// The same by the method's own test, all of whose own uniforms are set on test() and textures
+    /// bound.
+    void classify(const Frame& frame);
+    const gl::Program& test() const { return classify_; }
+    /// Lit tiles as they were found by geometry, all others undecided everywhere.
+    void decide(const Frame& frame, const LitTiles& tiles);
+    /// Runs `program` (UNDECIDED_TILES defined, all of its own textures bound, units 10 and 11
+    /// free) over the pixels of undecided tiles. Sets all GL state it needs.
     void shade(const gl::Program& program, const Frame& frame) const;
     /// The program that writes the answers, in use and with what it reads bound, for
     /// VisibilityTarget::draw.
@@ -61,6 +106,9 @@ class PixelClasses {
 
   private:
     void begin(const gl::Framebuffer& framebuffer, const Frame& frame) const;
+    void allocate(const Frame& frame);
+    void classifyUnder(const Frame& frame, const DepthPass& depth, const MinMaxPyramid& pyramid,
+                       float biasTexels, const Kernel& kernel);
 
     gl::Program classify_, answers_;
     gl::Texture tiles_, shaded_;

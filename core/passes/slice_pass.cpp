@@ -1,6 +1,8 @@
 #include "core/passes/slice_pass.hpp"
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <vector>
 
@@ -55,7 +57,8 @@ void SlicePass::attach(int size) {
                                   targets.data());
 }
 
-void SlicePass::render(const Frame& frame, const SliceView& view, const SliceFill& fill, int size) {
+void SlicePass::render(const Frame& frame, const SliceView& view, const SliceFill& fill, int size,
+                       SliceSet used) {
     const gl::DebugGroup group("slice pass");
     attach(size);
     glDisable(GL_DEPTH_TEST);
@@ -87,9 +90,17 @@ void SlicePass::render(const Frame& frame, const SliceView& view, const SliceFil
         program_.set(("boundariesM[" + std::to_string(i) + "]").c_str(),
                      static_cast<float>(boundary));
     }
+    // Floors, which lie below the last slice, would cover the whole texture for nothing.
+    const std::size_t end = std::min<std::size_t>(std::bit_width(used), view.planesM.size());
+    program_.set("deepestM", static_cast<float>(view.boundariesM[end]));
+    used_ = 0;
+    for (int i = 0; i < slices_; ++i)
+        program_.set(("place[" + std::to_string(i) + "]").c_str(), used >> i & 1 ? used_++ : -1);
     program_.set("fill", fill.always ? 2 : fill.depthM ? 1 : 0);
     if (fill.depthM) fill.depthM->bind(1);
+    glEnable(GL_CLIP_DISTANCE0);
     frame.gpuGeometry.draw(program_.id(), alphaMask_);
+    glDisable(GL_CLIP_DISTANCE0);
     glDisable(GL_BLEND);
     glBlendEquation(GL_FUNC_ADD);
     glDisable(GL_COLOR_LOGIC_OP);

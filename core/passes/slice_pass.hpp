@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/frame/slice_view.hpp"
+#include "core/frame/used_slices.hpp"
 #include "core/gl/handles.hpp"
 #include "core/gl/program.hpp"
 
@@ -23,7 +23,7 @@ enum class SliceTargets {
 
 /// Occlusion textures: all casters between a light and its receivers in one geometry pass without
 /// depth test, each fragment a 1 in the channel of its slice (Eisemann, Decoret 2006, 3.4). Both
-/// sides of every triangle count.
+/// sides of every triangle count. Textures hold the used slices only, one after the other.
 class SlicePass {
   public:
     static constexpr int kMostSlices = 64;
@@ -34,16 +34,18 @@ class SlicePass {
     /// kMostChannels are drawn as bits whatever `targets` says.
     SlicePass(int slices, SliceTargets targets, bool alphaMask);
 
-    /// `view` has as many slices. Sets all GL state it needs.
-    void render(const Frame& frame, const SliceView& view, const SliceFill& fill, int size);
+    /// `view` has as many slices, into `used` of which at most something is drawn. Sets all GL
+    /// state it needs.
+    void render(const Frame& frame, const SliceView& view, const SliceFill& fill, int size,
+                SliceSet used = ~SliceSet{0});
     /// Makes channels() from bits, where they are bits.
     void unpack();
 
-    int slices() const { return slices_; }
+    int used() const { return used_; }  ///< slices that the last render may have drawn to
     SliceTargets targets() const { return targets_; }
-    /// R32UI up to 32 slices, RG32UI above: slice k is bit k % 32 of channel k / 32.
+    /// R32UI up to 32 slices, RG32UI above: the used slice i is bit i % 32 of channel i / 32.
     const gl::Texture& bits() const { return bits_; }
-    /// RGBA8 2D array of 0 and 1: slice k is channel k % 4 of layer k / 4. All mip levels
+    /// RGBA8 2D array of 0 and 1: the used slice i is channel i % 4 of layer i / 4. All mip levels
     /// are allocated, level 0 is drawn; where targets are bits, once they are unpacked.
     const gl::Texture& channels() const { return channels_; }
     double mebibytes() const { return channels_.mebibytes() + bits_.mebibytes(); }
@@ -53,7 +55,7 @@ class SlicePass {
     void allocateChannels(int size);
     void attach(int size);
 
-    int slices_ = 0, size_ = 0;
+    int slices_ = 0, used_ = 0, size_ = 0;
     SliceTargets targets_ = SliceTargets::bits;
     bool alphaMask_ = false;
     gl::Program program_, unpack_;

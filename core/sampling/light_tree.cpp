@@ -161,4 +161,16 @@ std::vector<double> LightTree::weights(LightTreeWeights kind) const {
     return weights;
 }
 
+std::vector<float> unitWeights(const LightTree& tree, LightTreeWeights kind) {
+    const std::vector<double> weights = tree.weights(kind);
+    const bool areas = kind == LightTreeWeights::leafArea;
+    const double unit = areas ? tree.leafAreaUnit() : *std::ranges::min_element(weights);
+    std::vector<float> scaled;
+    for (const double weight : weights) {
+        const double units = weight / unit;
+        scaled.push_back(static_cast<float>(areas ? std::round(units) : units));
+    }
+    return scaled;
+}
+
 }  // namespace penumbra

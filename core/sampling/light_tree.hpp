@@ -91,4 +91,8 @@ class LightTree {
     std::map<std::pair<int, int>, int> indices_;
 };
 
+/// The tree's weights, scaled so that leaf areas are whole numbers and equals 1, whose sums in
+/// float are exact.
+std::vector<float> unitWeights(const LightTree& tree, LightTreeWeights kind);
+
 }  // namespace penumbra

@@ -60,6 +60,8 @@ void Transform::set(NodeProperty property, const glm::dvec4& value) {
         case NodeProperty::scale:
             scale = glm::dvec3(value);
             break;
+        case NodeProperty::weight:
+            break;
     }
 }
 

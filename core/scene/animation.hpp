@@ -23,7 +23,8 @@ enum class NodeProperty {
     translation,
     rotation,      ///< quaternion (x, y, z, w)
     eulerDegrees,  ///< about X, then Y, then Z
-    scale
+    scale,
+    weight  ///< of one morph target; no part of a Transform
 };
 
 /// A curve that drives one property of one node.
@@ -31,6 +32,7 @@ struct NodeTrack {
     int node = 0;
     NodeProperty property = NodeProperty::translation;
     Curve curve;
+    int target = 0;  ///< which morph target, of `weight`
 };
 
 struct Transform {

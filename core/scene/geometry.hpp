@@ -36,6 +36,7 @@ struct Bounds {
     glm::dvec3 lo{1e300}, hi{-1e300};
     bool empty() const { return lo.x > hi.x; }
     void add(const glm::dvec3& p) { lo = glm::min(lo, p), hi = glm::max(hi, p); }
+    bool operator==(const Bounds&) const = default;
     glm::dvec3 centre() const { return 0.5 * (lo + hi); }
     double radius() const { return empty() ? 0.0 : 0.5 * glm::length(hi - lo); }
 };

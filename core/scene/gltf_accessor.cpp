@@ -18,17 +18,26 @@ T loaded(const unsigned char* data) {
     return value;
 }
 
+/// An unsigned integer of 8, 16 or 32 bits.
+std::uint32_t unsignedAt(const unsigned char* data, int componentBytes) {
+    return componentBytes == 1   ? *data
+           : componentBytes == 2 ? loaded<std::uint16_t>(data)
+                                 : loaded<std::uint32_t>(data);
+}
+
 /// glTF 2.0 specification, section 3.6.2.2: the integer to float mappings.
-float component(const unsigned char* data, int componentType) {
+float component(const unsigned char* data, int componentType, bool normalised) {
     switch (componentType) {
         case TINYGLTF_COMPONENT_TYPE_BYTE:
-            return std::max(loaded<std::int8_t>(data) / 127.0f, -1.0f);
+            return normalised ? std::max(loaded<std::int8_t>(data) / 127.0f, -1.0f)
+                              : loaded<std::int8_t>(data);
         case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
-            return static_cast<float>(*data) / 255.0f;
+            return static_cast<float>(*data) / (normalised ? 255.0f : 1.0f);
         case TINYGLTF_COMPONENT_TYPE_SHORT:
-            return std::max(loaded<std::int16_t>(data) / 32767.0f, -1.0f);
+            return normalised ? std::max(loaded<std::int16_t>(data) / 32767.0f, -1.0f)
+                              : loaded<std::int16_t>(data);
         case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
-            return loaded<std::uint16_t>(data) / 65535.0f;
+            return loaded<std::uint16_t>(data) / (normalised ? 65535.0f : 1.0f);
         default:
             return loaded<float>(data);
     }
@@ -55,89 +64,216 @@ std::string typeName(int components, int componentType) {
     }
 }
 
+bool isSmallInteger(int componentType) {
+    return componentType >= TINYGLTF_COMPONENT_TYPE_BYTE &&
+           componentType <= TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT;
+}
+
 }  // namespace
 
 void AccessorReader::fail(const std::string& pointer, const std::string& what) const {
     failInput(file_, pointer, what);
 }
 
-AccessorReader::View AccessorReader::view(int index, const std::string& user) const {
+const unsigned char* AccessorReader::Source::element(std::size_t index) const {
+    const auto found = std::lower_bound(replaced.begin(), replaced.end(), index);
+    if (found != replaced.end() && *found == index) {
+        return values + static_cast<std::size_t>(found - replaced.begin()) * elementBytes;
+    }
+    return data ? data + index * strideBytes : nullptr;
+}
+
+const tinygltf::BufferView& AccessorReader::viewAt(int index, const std::string& pointer) const {
+    if (index < 0 || static_cast<std::size_t>(index) >= model_.bufferViews.size()) {
+        fail(pointer, fmt::format("buffer view {} does not exist; the file has {}", index,
+                                  model_.bufferViews.size()));
+    }
+    return model_.bufferViews[index];
+}
+
+const unsigned char* AccessorReader::inView(int view, std::size_t byteOffset, std::size_t count,
+                                            std::size_t elementBytes, std::size_t strideBytes,
+                                            const std::string& pointer) const {
+    const tinygltf::BufferView& bytes = viewAt(view, pointer);
+    const bool fits = byteOffset <= bytes.byteLength &&
+                      elementBytes <= bytes.byteLength - byteOffset &&
+                      count - 1 <= (bytes.byteLength - byteOffset - elementBytes) / strideBytes;
+    if (!fits) {
+        fail(pointer, fmt::format("{} elements of {} bytes from byte {} do not fit into buffer "
+                                  "view {} of {} bytes",
+                                  count, strideBytes, byteOffset, view, bytes.byteLength));
+    }
+    return model_.buffers[bytes.buffer].data.data() + bytes.byteOffset + byteOffset;
+}
+
+const AccessorReader::Source& AccessorReader::source(int index, const std::string& user) {
+    if (const auto known = sources_.find(index); known != sources_.end()) return known->second;
     if (index < 0 || static_cast<std::size_t>(index) >= model_.accessors.size()) {
         fail(user, fmt::format("accessor {} does not exist; the file has {}", index,
                                model_.accessors.size()));
     }
-    const tinygltf::Accessor& accessor = model_.accessors[index];
-    const std::string pointer = fmt::format("/accessors/{}", index);
-    if (accessor.sparse.isSparse) fail(pointer, "sparse accessors are not supported yet");
-    if (accessor.bufferView < 0) fail(pointer, "accessors without a buffer view are not supported");
-    if (static_cast<std::size_t>(accessor.bufferView) >= model_.bufferViews.size()) {
-        fail(pointer, fmt::format("buffer view {} does not exist; the file has {}",
-                                  accessor.bufferView, model_.bufferViews.size()));
+    Source out = opened(index);
+    if (model_.accessors[index].sparse.isSparse) {
+        openSparse(model_.accessors[index], fmt::format("/accessors/{}", index), out);
     }
-    const tinygltf::BufferView& bytes = model_.bufferViews[accessor.bufferView];
-    const int components =
-        tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(accessor.type));
-    const int componentBytes =
-        tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(accessor.componentType));
-    if (components < 1 || componentBytes < 1) fail(pointer, "has an unknown component type");
-    const std::size_t element = static_cast<std::size_t>(components) * componentBytes;
-    const std::size_t stride = bytes.byteStride == 0 ? element : bytes.byteStride;
-    if (stride < element) {
-        fail(pointer,
-             fmt::format("a stride of {} bytes is less than its elements of {}", stride, element));
-    }
-    if (accessor.count == 0) fail(pointer, "has no elements");
-    const bool fits =
-        accessor.byteOffset <= bytes.byteLength &&
-        element <= bytes.byteLength - accessor.byteOffset &&
-        accessor.count - 1 <= (bytes.byteLength - accessor.byteOffset - element) / stride;
-    if (!fits) {
-        fail(pointer, fmt::format("{} elements of {} bytes from byte {} do not fit into buffer "
-                                  "view {} of {} bytes",
-                                  accessor.count, stride, accessor.byteOffset, accessor.bufferView,
-                                  bytes.byteLength));
-    }
-    return {model_.buffers[bytes.buffer].data.data() + bytes.byteOffset + accessor.byteOffset,
-            accessor.count,
-            stride,
-            accessor.componentType,
-            components,
-            accessor.normalized};
+    return sources_.emplace(index, std::move(out)).first->second;
 }
 
-std::vector<glm::vec4> AccessorReader::vectors(int accessor, int components, bool allowNormalised,
-                                               const std::string& user, bool allowNonFinite) const {
-    const View in = view(accessor, user);
-    const bool integers = in.componentType >= TINYGLTF_COMPONENT_TYPE_BYTE &&
-                          in.componentType <= TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT;
+AccessorReader::Source AccessorReader::opened(int index) const {
+    const tinygltf::Accessor& accessor = model_.accessors[index];
+    const std::string pointer = fmt::format("/accessors/{}", index);
+    Source out;
+    out.components = tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(accessor.type));
+    out.componentBytes =
+        tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(accessor.componentType));
+    if (out.components < 1 || out.componentBytes < 1)
+        fail(pointer, "has an unknown component type");
+    if (accessor.count == 0) fail(pointer, "has no elements");
+    out.count = accessor.count;
+    out.componentType = accessor.componentType;
+    out.normalised = accessor.normalized;
+    out.elementBytes = static_cast<std::size_t>(out.components) * out.componentBytes;
+    if (accessor.bufferView < 0) return out;
+    const std::size_t stride = viewAt(accessor.bufferView, pointer).byteStride;
+    out.strideBytes = stride == 0 ? out.elementBytes : stride;
+    if (out.strideBytes < out.elementBytes) {
+        fail(pointer, fmt::format("a stride of {} bytes is less than its elements of {}", stride,
+                                  out.elementBytes));
+    }
+    out.data = inView(accessor.bufferView, accessor.byteOffset, out.count, out.elementBytes,
+                      out.strideBytes, pointer);
+    return out;
+}
+
+/// glTF 2.0 specification, section 3.6.2.3.
+void AccessorReader::openSparse(const tinygltf::Accessor& accessor, const std::string& pointer,
+                                Source& out) {
+    const auto& sparse = accessor.sparse;
+    const std::string at = pointer + "/sparse";
+    const auto count = static_cast<std::size_t>(std::max(sparse.count, 0));
+    if (count == 0 || count > out.count) {
+        fail(at + "/count", fmt::format("{} is not from 1 to the accessor's count of {}",
+                                        sparse.count, out.count));
+    }
+    const int type = sparse.indices.componentType;
+    if (type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE &&
+        type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT &&
+        type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT) {
+        fail(at + "/indices/componentType", fmt::format("{} is not one of 5121, 5123, 5125", type));
+    }
+    const int indexBytes = tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(type));
+    const auto step = static_cast<std::size_t>(indexBytes);
+    const unsigned char* const indices =
+        inView(sparse.indices.bufferView, static_cast<std::size_t>(sparse.indices.byteOffset),
+               count, step, step, at + "/indices");
+    out.values =
+        inView(sparse.values.bufferView, static_cast<std::size_t>(sparse.values.byteOffset), count,
+               out.elementBytes, out.elementBytes, at + "/values");
+    budget_.charge(count, sizeof(std::uint32_t), at, "its indices");
+    out.replaced.reserve(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::uint32_t index = unsignedAt(indices + i * step, indexBytes);
+        if (index >= out.count || (i > 0 && index <= out.replaced.back())) {
+            fail(at + "/indices",
+                 fmt::format("index {} at position {} is out of range or does not increase; the "
+                             "accessor has {} elements",
+                             index, i, out.count));
+        }
+        out.replaced.push_back(index);
+    }
+}
+
+std::size_t AccessorReader::count(int accessor, const std::string& user) {
+    return source(accessor, user).count;
+}
+
+int AccessorReader::components(int accessor, const std::string& user) {
+    return source(accessor, user).components;
+}
+
+bool AccessorReader::hasData(int accessor, const std::string& user) {
+    const Source& in = source(accessor, user);
+    return in.data || in.values;
+}
+
+void AccessorReader::requireInRange(const Source& in, std::span<const std::uint32_t> elements,
+                                    int accessor, const std::string& user) const {
+    for (const std::uint32_t i : elements) {
+        if (i < in.count) continue;
+        fail(user,
+             fmt::format("accessor {} has {} elements; element {} is used", accessor, in.count, i));
+    }
+}
+
+std::vector<glm::vec4> AccessorReader::vectors(int accessor, const Wanted& wanted,
+                                               const std::string& user) {
+    const std::size_t all = count(accessor, user);
+    budget_.charge(all, sizeof(std::uint32_t), user, "its elements");
+    std::vector<std::uint32_t> elements(all);
+    for (std::size_t i = 0; i < all; ++i) elements[i] = static_cast<std::uint32_t>(i);
+    return vectors(accessor, wanted, user, elements);
+}
+
+std::vector<glm::vec4> AccessorReader::vectors(int accessor, const Wanted& wanted,
+                                               const std::string& user,
+                                               std::span<const std::uint32_t> elements) {
+    const Source& in = source(accessor, user);
     const bool typed = in.componentType == TINYGLTF_COMPONENT_TYPE_FLOAT ||
-                       (integers && in.normalised && allowNormalised);
-    if (in.components != components || !typed) {
+                       (isSmallInteger(in.componentType) &&
+                        (wanted.integers == Integers::any ||
+                         (wanted.integers == Integers::normalised && in.normalised)));
+    if (in.components != wanted.components || !typed) {
+        const char* const also = wanted.integers == Integers::none ? ""
+                                 : wanted.integers == Integers::normalised
+                                     ? " or of normalised integers"
+                                     : " or of integers";
         fail(user, fmt::format("accessor {} is {}{}; {}{} is read here", accessor,
                                in.normalised ? "normalised " : "",
                                typeName(in.components, in.componentType),
-                               typeName(components, TINYGLTF_COMPONENT_TYPE_FLOAT),
-                               allowNormalised ? " or of normalised integers" : ""));
+                               typeName(wanted.components, TINYGLTF_COMPONENT_TYPE_FLOAT), also));
     }
-    const std::size_t componentBytes = static_cast<std::size_t>(
-        tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(in.componentType)));
-    std::vector<glm::vec4> out(in.count, glm::vec4(0.0f));
-    for (std::size_t i = 0; i < in.count; ++i) {
-        const unsigned char* data = in.data + i * in.strideBytes;
-        for (int c = 0; c < components; ++c) {
-            out[i][c] = component(data + c * componentBytes, in.componentType);
-            if (!allowNonFinite && !std::isfinite(out[i][c])) {
-                fail(user, fmt::format("element {} of accessor {} is {}", i, accessor,
-                                       std::isnan(out[i][c]) ? "NaN" : "infinite"));
+    requireInRange(in, elements, accessor, user);
+    // As they are read, and as the caller keeps them.
+    budget_.charge(elements.size(), sizeof(glm::vec4) + sizeof(glm::vec3), user, "its elements");
+    std::vector<glm::vec4> out(elements.size(), glm::vec4(0.0f));
+    for (std::size_t k = 0; k < elements.size(); ++k) {
+        const unsigned char* const data = in.element(elements[k]);
+        for (int c = 0; data && c < wanted.components; ++c) {
+            out[k][c] = component(data + c * in.componentBytes, in.componentType, in.normalised);
+            if (!wanted.nonFiniteToo && !std::isfinite(out[k][c])) {
+                fail(user, fmt::format("element {} of accessor {} is {}", elements[k], accessor,
+                                       std::isnan(out[k][c]) ? "NaN" : "infinite"));
             }
         }
     }
     return out;
 }
 
+std::vector<glm::dmat4> AccessorReader::matrices(int accessor, const std::string& user) {
+    const Source& in = source(accessor, user);
+    if (in.components != 16 || in.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT) {
+        fail(user, fmt::format("accessor {} is {}; MAT4 of FLOAT is read here", accessor,
+                               typeName(in.components, in.componentType)));
+    }
+    budget_.charge(in.count, sizeof(glm::dmat4), user, "its matrices");
+    std::vector<glm::dmat4> out(in.count, glm::dmat4(0.0));
+    for (std::size_t i = 0; i < in.count; ++i) {
+        const unsigned char* const data = in.element(i);
+        for (int c = 0; data && c < 16; ++c) {
+            const float value = loaded<float>(data + c * in.componentBytes);
+            if (!std::isfinite(value)) {
+                fail(user, fmt::format("element {} of accessor {} is {}", i, accessor,
+                                       std::isnan(value) ? "NaN" : "infinite"));
+            }
+            out[i][c / 4][c % 4] = value;
+        }
+    }
+    return out;
+}
+
 std::vector<std::uint32_t> AccessorReader::indices(int accessor, std::size_t vertexCount,
-                                                   const std::string& user) const {
-    const View in = view(accessor, user);
+                                                   const std::string& user) {
+    const Source& in = source(accessor, user);
     const bool typed = in.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ||
                        in.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ||
                        in.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
@@ -146,13 +282,11 @@ std::vector<std::uint32_t> AccessorReader::indices(int accessor, std::size_t ver
                                "UNSIGNED_SHORT or UNSIGNED_INT",
                                accessor, typeName(in.components, in.componentType)));
     }
+    budget_.charge(in.count, sizeof(std::uint32_t), user, "its indices");
     std::vector<std::uint32_t> out(in.count);
     for (std::size_t i = 0; i < in.count; ++i) {
-        const unsigned char* data = in.data + i * in.strideBytes;
-        out[i] = in.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ? *data
-                 : in.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT
-                     ? loaded<std::uint16_t>(data)
-                     : loaded<std::uint32_t>(data);
+        const unsigned char* const data = in.element(i);
+        out[i] = data ? unsignedAt(data, in.componentBytes) : 0;
         if (out[i] >= vertexCount) {
             fail(user, fmt::format("index {} at position {} is out of range; there are {} vertices",
                                    out[i], i, vertexCount));
@@ -161,15 +295,32 @@ std::vector<std::uint32_t> AccessorReader::indices(int accessor, std::size_t ver
     return out;
 }
 
-std::vector<unsigned char> AccessorReader::bufferView(int index, const std::string& user) const {
-    if (index < 0 || static_cast<std::size_t>(index) >= model_.bufferViews.size()) {
-        fail(user, fmt::format("buffer view {} does not exist; the file has {}", index,
-                               model_.bufferViews.size()));
+std::vector<glm::uvec4> AccessorReader::joints(int accessor, const std::string& user,
+                                               std::span<const std::uint32_t> elements) {
+    const Source& in = source(accessor, user);
+    const bool typed = in.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ||
+                       in.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT;
+    if (in.components != 4 || !typed || in.normalised) {
+        fail(user, fmt::format("accessor {} is {}; joints are VEC4 of UNSIGNED_BYTE or "
+                               "UNSIGNED_SHORT",
+                               accessor, typeName(in.components, in.componentType)));
     }
-    const tinygltf::BufferView& view = model_.bufferViews[index];
-    const auto first =
-        model_.buffers[view.buffer].data.begin() + static_cast<std::ptrdiff_t>(view.byteOffset);
-    return {first, first + static_cast<std::ptrdiff_t>(view.byteLength)};
+    requireInRange(in, elements, accessor, user);
+    budget_.charge(elements.size(), sizeof(glm::uvec4), user, "its joints");
+    std::vector<glm::uvec4> out(elements.size(), glm::uvec4(0));
+    for (std::size_t k = 0; k < elements.size(); ++k) {
+        const unsigned char* const data = in.element(elements[k]);
+        for (int c = 0; data && c < 4; ++c) {
+            out[k][c] = unsignedAt(data + c * in.componentBytes, in.componentBytes);
+        }
+    }
+    return out;
+}
+
+std::span<const unsigned char> AccessorReader::bufferView(int index,
+                                                          const std::string& user) const {
+    const tinygltf::BufferView& view = viewAt(index, user);
+    return std::span(model_.buffers[view.buffer].data).subspan(view.byteOffset, view.byteLength);
 }
 
 }  // namespace penumbra::scene_detail

@@ -18,8 +18,8 @@ Camera withClipPlanes(const Scene& scene, const SceneFrame& frame, double neares
 /// where it emits; `camera` for images of width / height `aspect`. All of it hangs below one node
 /// that carries Scene::origin, so that float positions lose nothing however far away that is.
 ///
-/// A point light has no rectangle; it is written as KHR_lights_punctual, which other programs read
-/// and loadScene() does not. Throws InputError for a frame whose buffers would exceed the 2 GiB of
+/// A point light has no rectangle; it is written as KHR_lights_punctual, which loadScene() reads
+/// as a point light there that faces the scene's centre. Throws InputError for a frame whose buffers would exceed the 2 GiB of
 /// a .glb.
 std::string exportGltf(const Scene& scene, const SceneFrame& frame, const Camera& camera,
                        double aspect);

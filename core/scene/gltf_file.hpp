@@ -4,15 +4,19 @@
 
 #include <filesystem>
 
+#include "core/scene/memory_budget.hpp"
+
 namespace penumbra::scene_detail {
 
 /// Parses a .gltf or .glb into tinygltf's model. tinygltf forgives what would then be drawn wrong
-/// (an index of the wrong type reads as absent) and trusts sizes; this does neither:
-/// - integers, node transforms and nesting depth are checked in the JSON before it sees them;
-/// - external files are read from the asset's own folder and below, nowhere else;
-/// - images stay encoded (see gltf_image.hpp), so that their size is known before they are decoded;
-/// - every buffer view that leaves here lies inside its buffer;
-/// - whatever it complains about is an InputError of one line.
-tinygltf::Model readGltf(const std::filesystem::path& file);
+/// (an index of the wrong type reads as absent), trusts sizes and reads any file; so it is given
+/// the JSON only, checked by parseGltfJson() and without buffers, images and skins, which are read
+/// here:
+/// - buffers are read from the file itself, data URIs, and the asset's own folder and below;
+/// - images keep their URI or buffer view and are read when something needs them (gltf_material);
+/// - skins may lack inverse bind matrices, which tinygltf takes for an error.
+/// Every buffer holds the bytes it promises and every buffer view lies inside its buffer. Whatever
+/// is wrong is an InputError of one line.
+tinygltf::Model readGltf(const std::filesystem::path& file, MemoryBudget& budget);
 
 }  // namespace penumbra::scene_detail

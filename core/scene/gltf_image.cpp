@@ -8,6 +8,7 @@
 #include <array>
 
 #include "core/scene/input_text.hpp"
+#include "core/scene/supported_input.hpp"
 
 namespace penumbra::scene_detail {
 namespace {
@@ -39,7 +40,7 @@ std::vector<std::uint8_t> expanded(const std::vector<std::uint8_t>& pixels, int 
 }  // namespace
 
 TextureImage decodeImage(std::span<const unsigned char> encoded, const std::filesystem::path& file,
-                         const std::string& pointer) {
+                         const std::string& pointer, MemoryBudget& budget) {
     const char* const reader = readerFor(encoded);
     if (!reader) failInput(file, pointer, "is neither PNG nor JPEG");
     OIIO::ImageSpec config;
@@ -60,6 +61,10 @@ TextureImage decodeImage(std::span<const unsigned char> encoded, const std::file
                               "with 4 channels are read",
                               spec.width, spec.height, spec.nchannels, kMaxImageTexels));
     }
+    // The decoder's own copy may be of 16 bits; then its 8 bits and the RGBA that is kept.
+    const auto texels = static_cast<std::uint64_t>(spec.width) * spec.height;
+    budget.charge(texels, 3 * static_cast<std::uint64_t>(spec.nchannels) + 4, pointer,
+                  "decoding the image");
     TextureImage image;
     image.width = spec.width;
     image.height = spec.height;

@@ -5,15 +5,13 @@
 #include <string>
 
 #include "core/scene/material.hpp"
+#include "core/scene/memory_budget.hpp"
 
 namespace penumbra::scene_detail {
 
-/// Greatest number of texels of one image; beyond it no GL implementation takes a texture anyway.
-inline constexpr long long kMaxImageTexels = 16384LL * 16384LL;
-
-/// Decodes a PNG or JPEG to 8-bit RGBA. The size is checked before anything is allocated. Errors
-/// are InputError naming `file` and `pointer`.
+/// Decodes a PNG or JPEG to 8-bit RGBA. The size is checked and charged before anything is
+/// allocated. Errors are InputError naming `file` and `pointer`.
 TextureImage decodeImage(std::span<const unsigned char> encoded, const std::filesystem::path& file,
-                         const std::string& pointer);
+                         const std::string& pointer, MemoryBudget& budget);
 
 }  // namespace penumbra::scene_detail

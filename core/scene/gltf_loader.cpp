@@ -1,44 +1,57 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <numbers>
 #include <optional>
 
 #include "core/scene/asset.hpp"
 #include "core/scene/gltf_accessor.hpp"
+#include "core/scene/gltf_animation.hpp"
 #include "core/scene/gltf_file.hpp"
+#include "core/scene/gltf_hierarchy.hpp"
+#include "core/scene/gltf_instances.hpp"
 #include "core/scene/gltf_material.hpp"
 #include "core/scene/gltf_mesh.hpp"
 #include "core/scene/input_text.hpp"
+#include "core/scene/supported_input.hpp"
 
 namespace penumbra::scene_detail {
 namespace {
 
-constexpr std::size_t kMaxTriangles = 100'000'000;
-
 class Loader {
   public:
-    explicit Loader(const std::filesystem::path& file)
-        : model_(readGltf(file)), reader_(model_, file) {
-        asset_.file = file;
-    }
+    Loader(const std::filesystem::path& file, const LoadOptions& options)
+        : options_(options),
+          asset_(emptyAsset(file, options)),
+          model_(readGltf(file, asset_.memory)),
+          reader_(model_, file, asset_.memory),
+          meshes_(model_, reader_, asset_) {}
 
     Asset load() {
         MaterialLoader(model_, reader_, asset_).load();
-        checkHierarchy();
-        addNodes();
-        for (std::size_t i = 0; i < nodeOf_.size(); ++i) placeContents(static_cast<int>(i));
-        if (asset_.placements.empty()) fail("", "has no triangles in its scene");
-        for (std::size_t i = 0; i < model_.animations.size(); ++i) addAnimation(i);
-        if (dropped_ > 0) {
-            asset_.notes.push_back(fmt::format("{} zero-area triangles dropped", dropped_));
+        hierarchy_ = readHierarchy(model_, options_.assetScene, asset_);
+        for (std::size_t i = 0; i < hierarchy_.fileNodes.size(); ++i) {
+            placeContents(static_cast<int>(i));
         }
+        if (asset_.placements.empty()) {
+            if (meshes_.firstSkipped().empty()) fail(asset_.pointer, "has no triangles");
+            failInput(asset_.file, meshes_.firstSkipped(),
+                      "casts no shadow, and the scene has no triangles");
+        }
+        readAnimations(model_, reader_, hierarchy_.newIndex, asset_);
+        for (std::string& note : meshes_.notes()) asset_.notes.push_back(std::move(note));
         return std::move(asset_);
     }
 
   private:
+    static Asset emptyAsset(const std::filesystem::path& file, const LoadOptions& options) {
+        Asset asset;
+        asset.file = file;
+        asset.memory = MemoryBudget(file, options.maxMemoryBytes);
+        return asset;
+    }
+
     [[noreturn]] void fail(const std::string& pointer, const std::string& what) const {
         failInput(asset_.file, pointer, what);
     }
@@ -48,145 +61,159 @@ class Loader {
         fail(pointer, fmt::format("{} {} does not exist; the file has {}", what, index, count));
     }
 
-    /// Every node has at most one parent and none is its own ancestor, in this scene or any other.
-    void checkHierarchy() {
-        const std::size_t count = model_.nodes.size();
-        fileParent_.assign(count, -1);
-        for (std::size_t i = 0; i < count; ++i) {
-            const std::vector<int>& children = model_.nodes[i].children;
-            for (std::size_t k = 0; k < children.size(); ++k) {
-                const std::string pointer = fmt::format("/nodes/{}/children/{}", i, k);
-                require(children[k], count, pointer, "node");
-                if (fileParent_[children[k]] >= 0) {
-                    fail(pointer, fmt::format("node {} already is a child of node {}", children[k],
-                                              fileParent_[children[k]]));
-                }
-                fileParent_[children[k]] = static_cast<int>(i);
-            }
-        }
-        std::vector<char> rooted(count, 0);
-        std::vector<int> open;
-        for (std::size_t i = 0; i < count; ++i) {
-            if (fileParent_[i] < 0) open.push_back(static_cast<int>(i));
-        }
-        while (!open.empty()) {
-            const int node = open.back();
-            open.pop_back();
-            rooted[node] = 1;
-            open.insert(open.end(), model_.nodes[node].children.begin(),
-                        model_.nodes[node].children.end());
-        }
-        for (std::size_t i = 0; i < count; ++i) {
-            if (!rooted[i]) fail(fmt::format("/nodes/{}", i), "is part of a cycle of nodes");
-        }
-    }
-
-    std::vector<int> sceneRoots() const {
-        if (model_.scenes.empty()) {
-            std::vector<int> roots;
-            for (std::size_t i = 0; i < model_.nodes.size(); ++i) {
-                if (fileParent_[i] < 0) roots.push_back(static_cast<int>(i));
-            }
-            return roots;
-        }
-        const int scene = std::max(model_.defaultScene, 0);
-        require(scene, model_.scenes.size(), "/scene", "scene");
-        const std::vector<int>& roots = model_.scenes[scene].nodes;
-        for (std::size_t k = 0; k < roots.size(); ++k) {
-            const std::string pointer = fmt::format("/scenes/{}/nodes/{}", scene, k);
-            require(roots[k], model_.nodes.size(), pointer, "node");
-            if (fileParent_[roots[k]] >= 0) {
-                fail(pointer, fmt::format("node {} is not a root: it is a child of node {}",
-                                          roots[k], fileParent_[roots[k]]));
-            }
-        }
-        return roots;
-    }
-
-    /// Depth first, so that "the first camera" is the first that a reader of the file meets.
-    void addNodes() {
-        newIndex_.assign(model_.nodes.size(), -1);
-        std::vector<int> open = sceneRoots();
-        std::reverse(open.begin(), open.end());
-        while (!open.empty()) {
-            const int index = open.back();
-            open.pop_back();
-            if (newIndex_[index] >= 0) {
-                fail(fmt::format("/nodes/{}", index), "is listed twice in its scene");
-            }
-            newIndex_[index] = static_cast<int>(nodeOf_.size());
-            nodeOf_.push_back(index);
-            const tinygltf::Node& in = model_.nodes[index];
-            AssetNode node;
-            node.name = in.name;
-            node.parent = fileParent_[index] < 0 ? -1 : newIndex_[fileParent_[index]];
-            node.hasMatrix = !in.matrix.empty();
-            for (std::size_t k = 0; k < in.matrix.size(); ++k)
-                node.matrix[k / 4][k % 4] = in.matrix[k];
-            const auto vec4 = [](const std::vector<double>& v) {
-                return glm::dvec4(v[0], v[1], v[2], v.size() > 3 ? v[3] : 0.0);
-            };
-            if (!in.translation.empty()) {
-                node.transform.set(NodeProperty::translation, vec4(in.translation));
-            }
-            if (!in.rotation.empty()) {
-                requireRotation(vec4(in.rotation), fmt::format("/nodes/{}/rotation", index));
-                node.transform.set(NodeProperty::rotation, vec4(in.rotation));
-            }
-            if (!in.scale.empty()) node.transform.set(NodeProperty::scale, vec4(in.scale));
-            asset_.nodes.push_back(std::move(node));
-            open.insert(open.end(), in.children.rbegin(), in.children.rend());
-        }
-    }
-
-    void requireRotation(const glm::dvec4& quaternion, const std::string& pointer) const {
-        if (!(glm::length(quaternion) > 1e-6)) fail(pointer, "is not a rotation: its length is 0");
-    }
-
     void placeContents(int node) {
-        const int index = nodeOf_[node];
+        const int index = hierarchy_.fileNodes[node];
         const tinygltf::Node& in = model_.nodes[index];
         const std::string pointer = fmt::format("/nodes/{}", index);
-        if (in.skin >= 0) fail(pointer + "/skin", "skins are not supported yet");
-        if (in.extensions.contains("EXT_mesh_gpu_instancing")) {
-            fail(pointer, "EXT_mesh_gpu_instancing is not supported yet");
-        }
         if (in.camera >= 0) {
             require(in.camera, model_.cameras.size(), pointer + "/camera", "camera");
-            asset_.cameras.push_back({node, lensOf(in.camera)});
+            asset_.cameras.push_back({node, lensOf(in.camera),
+                                      in.name.empty() ? model_.cameras[in.camera].name : in.name});
+        }
+        if (const auto light = in.extensions.find("KHR_lights_punctual");
+            light != in.extensions.end()) {
+            addLight(node, light->second.Get("light").GetNumberAsInt(),
+                     pointer + "/extensions/KHR_lights_punctual/light");
         }
         if (in.mesh < 0) return;
         require(in.mesh, model_.meshes.size(), pointer + "/mesh", "mesh");
+        addPlacements(node, in, pointer);
+    }
+
+    void addPlacements(int node, const tinygltf::Node& in, const std::string& pointer) {
+        const int skin = in.skin < 0 ? -1 : skinOf(in.skin, pointer + "/skin");
+        const int instances = instancesOf(in, pointer);
+        if (skin >= 0 && instances >= 0) {
+            fail(pointer, "has a skin and EXT_mesh_gpu_instancing, which is not defined");
+        }
+        readWeights(node, in, pointer);
         const std::string& meshName = model_.meshes[in.mesh].name;
         const std::string name = !in.name.empty()    ? in.name
                                  : !meshName.empty() ? meshName
-                                                     : fmt::format("node {}", index);
-        const std::vector<int>& primitives = primitivesOf(in.mesh);
+                                                     : pointer.substr(1);
+        const std::vector<int>& primitives = primitivesOf(in.mesh, skin >= 0);
+        const std::size_t copies = instances < 0 ? 1 : asset_.instances[instances].size();
         for (std::size_t k = 0; k < primitives.size(); ++k) {
+            const AssetPrimitive& primitive = asset_.primitives[primitives[k]];
+            if (skin >= 0) requireJoints(primitive, asset_.skins[skin], pointer + "/skin");
+            asset_.memory.charge(1, sizeof(Placement) + name.size(), pointer, "its parts");
             asset_.placements.push_back(
-                {primitives.size() == 1 ? name : fmt::format("{}/{}", name, k), node,
-                 primitives[k]});
-            triangles_ += asset_.primitives[primitives[k]].indices.size() / 3;
-        }
-        if (triangles_ > kMaxTriangles) {
-            fail(pointer, fmt::format("the scene has more than {} triangles", kMaxTriangles));
+                {primitives.size() == 1 ? name : fmt::format("{}/{}", name, k), node, primitives[k],
+                 skin, instances});
+            triangles_ += copies * (primitive.indices.size() / 3);
+            if (triangles_ > kMaxTriangles) {
+                fail(pointer, fmt::format("the scene has more than {} triangles", kMaxTriangles));
+            }
         }
     }
 
     /// Indices into asset_.primitives; a mesh is read once however many nodes place it.
-    const std::vector<int>& primitivesOf(int mesh) {
-        if (const auto known = primitivesOf_.find(mesh); known != primitivesOf_.end()) {
+    const std::vector<int>& primitivesOf(int mesh, bool skinned) {
+        const auto key = std::pair(mesh, skinned);
+        if (const auto known = primitivesOf_.find(key); known != primitivesOf_.end()) {
             return known->second;
         }
         std::vector<int> indices;
         for (std::size_t k = 0; k < model_.meshes[mesh].primitives.size(); ++k) {
             std::optional<AssetPrimitive> primitive =
-                readPrimitive(model_, reader_, asset_, mesh, static_cast<int>(k), dropped_);
+                meshes_.read(mesh, static_cast<int>(k), skinned);
             if (!primitive) continue;
             indices.push_back(static_cast<int>(asset_.primitives.size()));
             asset_.primitives.push_back(std::move(*primitive));
         }
-        return primitivesOf_.emplace(mesh, std::move(indices)).first->second;
+        return primitivesOf_.emplace(key, std::move(indices)).first->second;
+    }
+
+    // --- Deformation -----------------------------------------------------------------------------
+
+    /// The node's own weights, else its mesh's, else zeros (glTF 2.0, section 3.7.2.2).
+    void readWeights(int node, const tinygltf::Node& in, const std::string& pointer) {
+        const tinygltf::Mesh& mesh = model_.meshes[in.mesh];
+        if (mesh.primitives.empty()) return;
+        const std::size_t targets = mesh.primitives.front().targets.size();
+        for (std::size_t k = 0; k < mesh.primitives.size(); ++k) {
+            if (mesh.primitives[k].targets.size() == targets) continue;
+            fail(fmt::format("/meshes/{}/primitives/{}/targets", in.mesh, k),
+                 fmt::format("has {} morph targets; the first primitive has {}",
+                             mesh.primitives[k].targets.size(), targets));
+        }
+        const bool own = !in.weights.empty();
+        std::vector<double> weights = own ? in.weights : mesh.weights;
+        if (weights.empty()) weights.assign(targets, 0.0);
+        if (weights.size() != targets) {
+            fail(own ? pointer + "/weights" : fmt::format("/meshes/{}/weights", in.mesh),
+                 fmt::format("has {} weights for {} morph targets", weights.size(), targets));
+        }
+        asset_.memory.charge(targets, sizeof(double), pointer, "its weights");
+        asset_.nodes[node].weights = std::move(weights);
+    }
+
+    int skinOf(int index, const std::string& user) {
+        require(index, model_.skins.size(), user, "skin");
+        if (const auto known = skinOf_.find(index); known != skinOf_.end()) return known->second;
+        const tinygltf::Skin& in = model_.skins[index];
+        const std::string pointer = fmt::format("/skins/{}", index);
+        if (in.joints.empty()) fail(pointer + "/joints", "is empty");
+        asset_.memory.charge(in.joints.size(), sizeof(glm::dmat4) + sizeof(int), pointer,
+                             "its joints");
+        AssetSkin skin;
+        for (std::size_t k = 0; k < in.joints.size(); ++k) {
+            const std::string at = fmt::format("{}/joints/{}", pointer, k);
+            require(in.joints[k], model_.nodes.size(), at, "node");
+            const int joint = hierarchy_.newIndex[in.joints[k]];
+            if (joint < 0) {
+                fail(at, fmt::format("node {} is not in the scene of the mesh", in.joints[k]));
+            }
+            skin.joints.push_back(joint);
+        }
+        skin.inverseBind.assign(skin.joints.size(), glm::dmat4(1.0));
+        if (in.inverseBindMatrices >= 0) {
+            const std::string at = pointer + "/inverseBindMatrices";
+            std::vector<glm::dmat4> matrices = reader_.matrices(in.inverseBindMatrices, at);
+            if (matrices.size() < skin.joints.size()) {
+                fail(at, fmt::format("has {} matrices for {} joints", matrices.size(),
+                                     skin.joints.size()));
+            }
+            std::copy_n(matrices.begin(), skin.joints.size(), skin.inverseBind.begin());
+        }
+        asset_.skins.push_back(std::move(skin));
+        return skinOf_.emplace(index, static_cast<int>(asset_.skins.size()) - 1).first->second;
+    }
+
+    void requireJoints(const AssetPrimitive& primitive, const AssetSkin& skin,
+                       const std::string& pointer) const {
+        if (primitive.joints.empty()) return;
+        const auto last = *std::max_element(primitive.joints.begin(), primitive.joints.end());
+        if (last < skin.joints.size()) return;
+        fail(pointer,
+             fmt::format("its mesh uses joint {}; the skin has {}", last, skin.joints.size()));
+    }
+
+    int instancesOf(const tinygltf::Node& in, const std::string& pointer) {
+        const auto extension = in.extensions.find("EXT_mesh_gpu_instancing");
+        if (extension == in.extensions.end()) return -1;
+        asset_.instances.push_back(
+            readInstances(extension->second.Get("attributes"), reader_, asset_,
+                          pointer + "/extensions/EXT_mesh_gpu_instancing/attributes"));
+        return static_cast<int>(asset_.instances.size()) - 1;
+    }
+
+    // --- Cameras and lights ----------------------------------------------------------------------
+
+    void addLight(int node, int index, const std::string& pointer) {
+        require(index, model_.lights.size(), pointer, "light");
+        const tinygltf::Light& in = model_.lights[index];
+        double brightest = in.color.empty() ? 1.0 : 0.0;
+        for (const double component : in.color) brightest = std::max(brightest, component);
+        AssetLight light;
+        light.node = node;
+        light.kind = in.type == "point"  ? AssetLight::Kind::point
+                     : in.type == "spot" ? AssetLight::Kind::spot
+                                         : AssetLight::Kind::directional;
+        light.intensity = in.intensity * brightest;
+        light.name = model_.nodes[hierarchy_.fileNodes[node]].name;
+        if (light.name.empty()) light.name = in.name;
+        if (light.intensity > 0.0) asset_.lights.push_back(std::move(light));
     }
 
     Camera lensOf(int index) const {
@@ -220,87 +247,21 @@ class Loader {
         return lens;
     }
 
-    void addAnimation(std::size_t index) {
-        const tinygltf::Animation& animation = model_.animations[index];
-        for (std::size_t c = 0; c < animation.channels.size(); ++c) {
-            const tinygltf::AnimationChannel& channel = animation.channels[c];
-            const std::string pointer = fmt::format("/animations/{}/channels/{}", index, c);
-            require(channel.target_node, model_.nodes.size(), pointer + "/target/node", "node");
-            require(channel.sampler, animation.samplers.size(), pointer + "/sampler", "sampler");
-            NodeTrack track;
-            track.node = newIndex_[channel.target_node];
-            if (track.node < 0) continue;  // a node of another scene
-            if (channel.target_path == "translation") {
-                track.property = NodeProperty::translation;
-            } else if (channel.target_path == "rotation") {
-                track.property = NodeProperty::rotation;
-            } else if (channel.target_path == "scale") {
-                track.property = NodeProperty::scale;
-            } else {
-                fail(pointer + "/target/path",
-                     fmt::format("'{}' is not supported; translation, rotation and scale are",
-                                 oneLine(channel.target_path, 40)));
-            }
-            if (asset_.nodes[track.node].hasMatrix) {
-                fail(pointer,
-                     fmt::format("animates node {}, which has a matrix", channel.target_node));
-            }
-            track.curve = curveOf(
-                animation.samplers[channel.sampler], track.property == NodeProperty::rotation,
-                fmt::format("/animations/{}/samplers/{}", index, channel.sampler));
-            asset_.tracks.push_back(std::move(track));
-        }
-    }
-
-    Curve curveOf(const tinygltf::AnimationSampler& sampler, bool rotation,
-                  const std::string& pointer) const {
-        Curve curve;
-        curve.quaternion = rotation;
-        if (sampler.interpolation == "STEP") {
-            curve.interpolation = Interpolation::step;
-        } else if (sampler.interpolation == "CUBICSPLINE") {
-            curve.interpolation = Interpolation::cubicSpline;
-        } else if (sampler.interpolation != "LINEAR") {
-            fail(pointer + "/interpolation", fmt::format("'{}' is not LINEAR, STEP or CUBICSPLINE",
-                                                         oneLine(sampler.interpolation, 40)));
-        }
-        for (const glm::vec4& time : reader_.vectors(sampler.input, 1, false, pointer + "/input")) {
-            if (!curve.times.empty() && time.x <= curve.times.back()) {
-                fail(pointer + "/input", fmt::format("time {} at key {} does not increase", time.x,
-                                                     curve.times.size()));
-            }
-            curve.times.push_back(time.x);
-        }
-        const int components = rotation ? 4 : 3;
-        for (const glm::vec4& value :
-             reader_.vectors(sampler.output, components, rotation, pointer + "/output")) {
-            curve.values.emplace_back(value);
-        }
-        const std::size_t perKey = curve.interpolation == Interpolation::cubicSpline ? 3 : 1;
-        if (curve.values.size() != perKey * curve.times.size()) {
-            fail(pointer, fmt::format("has {} output values for {} keys", curve.values.size(),
-                                      curve.times.size()));
-        }
-        for (std::size_t k = perKey / 2; rotation && k < curve.values.size(); k += perKey) {
-            requireRotation(curve.values[k], fmt::format("{}/output key {}", pointer, k / perKey));
-        }
-        return curve;
-    }
-
+    const LoadOptions& options_;
+    Asset asset_;
     tinygltf::Model model_;
     AccessorReader reader_;
-    Asset asset_;
-    std::vector<int> fileParent_;  ///< per node of the file
-    std::vector<int> newIndex_;    ///< node of the file -> asset_.nodes, -1 outside the scene
-    std::vector<int> nodeOf_;      ///< the inverse
-    std::map<int, std::vector<int>> primitivesOf_;
-    std::size_t dropped_ = 0, triangles_ = 0;
+    MeshReader meshes_;
+    NodeHierarchy hierarchy_;
+    std::map<std::pair<int, bool>, std::vector<int>> primitivesOf_;  ///< by mesh and skinned
+    std::map<int, int> skinOf_;                                      ///< the file's -> asset_.skins
+    std::size_t triangles_ = 0;
 };
 
 }  // namespace
 
-Asset loadAsset(const std::filesystem::path& file) {
-    return Loader(file).load();
+Asset loadAsset(const std::filesystem::path& file, const LoadOptions& options) {
+    return Loader(file, options).load();
 }
 
 }  // namespace penumbra::scene_detail

@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <span>
 
 #include "core/scene/gltf_image.hpp"
+#include "core/scene/gltf_uri.hpp"
 #include "core/scene/input_text.hpp"
 
 namespace penumbra::scene_detail {
@@ -26,7 +29,36 @@ double emissionOf(const tinygltf::Material& material) {
     return emission;
 }
 
+double numberOr(const tinygltf::Value& object, const char* key, double otherwise) {
+    return object.Has(key) ? object.Get(key).GetNumberAsDouble() : otherwise;
+}
+
+glm::dvec2 pairOr(const tinygltf::Value& object, const char* key, const glm::dvec2& otherwise) {
+    if (!object.Has(key)) return otherwise;
+    const tinygltf::Value& pair = object.Get(key);
+    return {pair.Get(0).GetNumberAsDouble(), pair.Get(1).GetNumberAsDouble()};
+}
+
 }  // namespace
+
+TextureMapping baseColorMapping(const tinygltf::Material& material) {
+    const tinygltf::TextureInfo& info = material.pbrMetallicRoughness.baseColorTexture;
+    TextureMapping mapping;
+    mapping.set = info.texCoord;
+    const auto extension = info.extensions.find("KHR_texture_transform");
+    if (extension == info.extensions.end()) return mapping;
+    const tinygltf::Value& in = extension->second;
+    mapping.set = static_cast<int>(numberOr(in, "texCoord", mapping.set));
+    const glm::dvec2 offset = pairOr(in, "offset", glm::dvec2(0.0));
+    const glm::dvec2 scale = pairOr(in, "scale", glm::dvec2(1.0));
+    const double angle = numberOr(in, "rotation", 0.0);
+    // The extension's matrix: translation times rotation times scale; v points down, so that a
+    // positive angle turns counter-clockwise in the image.
+    const double c = std::cos(angle), s = std::sin(angle);
+    mapping.matrix = glm::dmat3(glm::dvec3(c, -s, 0) * scale.x, glm::dvec3(s, c, 0) * scale.y,
+                                glm::dvec3(offset, 1));
+    return mapping;
+}
 
 void MaterialLoader::load() {
     for (std::size_t i = 0; i < model_.materials.size(); ++i) add(i);
@@ -68,9 +100,6 @@ void MaterialLoader::add(std::size_t index) {
 }
 
 int MaterialLoader::textureFor(const tinygltf::TextureInfo& info, const std::string& pointer) {
-    if (info.extensions.contains("KHR_texture_transform")) {
-        failInput(asset_.file, pointer, "KHR_texture_transform is not supported yet");
-    }
     const auto require = [&](int index, std::size_t count, const std::string& at,
                              const char* what) {
         if (index < 0 || static_cast<std::size_t>(index) >= count) {
@@ -107,29 +136,31 @@ int MaterialLoader::textureFor(const tinygltf::TextureInfo& info, const std::str
     const auto key = std::tuple(texture.source, sampling.wrapS, sampling.wrapT, sampling.linear);
     if (const auto known = loaded_.find(key); known != loaded_.end()) return known->second;
 
-    const tinygltf::Image& image = model_.images[texture.source];
-    const std::string imagePointer = fmt::format("/images/{}", texture.source);
-    const std::vector<unsigned char> encoded =
-        image.bufferView >= 0 ? reader_.bufferView(image.bufferView, imagePointer + "/bufferView")
-                              : image.image;
-    if (encoded.empty()) {
-        failInput(asset_.file, imagePointer,
-                  fmt::format("'{}' is missing or empty", oneLine(image.uri, 200)));
-    }
-    TextureImage decoded = decodeImage(encoded, asset_.file, imagePointer);
-    texels_ += static_cast<long long>(decoded.width) * decoded.height;
-    if (texels_ > 2 * kMaxImageTexels) {
-        failInput(asset_.file, imagePointer,
-                  fmt::format("all images together have more than {} texels", 2 * kMaxImageTexels));
-    }
-    decoded.name = image.name.empty() ? image.uri : image.name;
-    decoded.wrapS = sampling.wrapS;
-    decoded.wrapT = sampling.wrapT;
-    decoded.linear = sampling.linear;
-    asset_.images.push_back(std::move(decoded));
+    TextureImage image = decoded(texture.source);
+    image.wrapS = sampling.wrapS;
+    image.wrapT = sampling.wrapT;
+    image.linear = sampling.linear;
+    asset_.images.push_back(std::move(image));
     const int index = static_cast<int>(asset_.images.size()) - 1;
     loaded_.emplace(key, index);
     return index;
+}
+
+TextureImage MaterialLoader::decoded(int index) {
+    const tinygltf::Image& image = model_.images[index];
+    const std::string pointer = fmt::format("/images/{}", index);
+    std::vector<unsigned char> file;
+    std::span<const unsigned char> encoded;
+    if (image.bufferView >= 0) {
+        encoded = reader_.bufferView(image.bufferView, pointer + "/bufferView");
+    } else if (!image.uri.empty()) {
+        file = readUri(image.uri, asset_.file, pointer + "/uri", asset_.memory);
+        encoded = file;
+    }
+    if (encoded.empty()) failInput(asset_.file, pointer, "is empty");
+    TextureImage out = decodeImage(encoded, asset_.file, pointer, asset_.memory);
+    out.name = image.name.empty() ? oneLine(image.uri, 200) : image.name;
+    return out;
 }
 
 }  // namespace penumbra::scene_detail

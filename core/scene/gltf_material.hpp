@@ -10,6 +10,13 @@
 
 namespace penumbra::scene_detail {
 
+/// Where a material's base colour texture takes its coordinates from.
+struct TextureMapping {
+    int set = 0;             ///< TEXCOORD_<set>
+    glm::dmat3 matrix{1.0};  ///< of (u, v, 1), KHR_texture_transform
+};
+TextureMapping baseColorMapping(const tinygltf::Material& material);
+
 /// Adds a glTF file's materials and their base colour textures to `asset`, the default material of
 /// primitives without one last. What a shadow does not depend on is left out; `doubleSided` is,
 /// because every surface casts and receives on both sides (geometry.hpp).
@@ -23,12 +30,12 @@ class MaterialLoader {
   private:
     void add(std::size_t index);
     int textureFor(const tinygltf::TextureInfo& info, const std::string& pointer);
+    TextureImage decoded(int image);
 
     const tinygltf::Model& model_;
     const AccessorReader& reader_;
     Asset& asset_;
     std::map<std::tuple<int, Wrap, Wrap, bool>, int> loaded_;  ///< image and sampling -> index
-    long long texels_ = 0;
 };
 
 }  // namespace penumbra::scene_detail

@@ -3,64 +3,66 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
-#include <cmath>
+#include <span>
 
 namespace penumbra::scene_detail {
 namespace {
 
 constexpr std::size_t kGrain = 16384;  // vertices or triangles per task
 
-/// Writes one caster's positions, normals and indices into its part of `out`.
-void write(const AssetPrimitive& in, const glm::dmat4& world, const glm::dvec3& origin,
-           const Part& part, Geometry& out) {
-    const glm::dmat3 linear(world);
-    const glm::dvec3 offset = glm::dvec3(world[3]) - origin;
-    const bool mirrored = glm::determinant(linear) < 0.0;
-    // Normals go with the inverse transpose. The cofactors are that times the determinant, and
-    // exist for flattening matrices too.
-    glm::dmat3 cofactors(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]),
-                         glm::cross(linear[0], linear[1]));
-    if (mirrored) cofactors *= -1.0;
-    tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, in.positions.size(), kGrain), [&](const auto& range) {
-            for (std::size_t i = range.begin(); i < range.end(); ++i) {
-                const std::size_t v = part.firstVertex + i;
-                out.positions[v] = glm::vec3(linear * glm::dvec3(in.positions[i]) + offset);
-                const glm::dvec3 normal = cofactors * glm::dvec3(in.normals[i]);
-                const double length = glm::length(normal);
-                out.normals[v] = length > 0.0 ? glm::vec3(normal / length) : glm::vec3(0, 1, 0);
-            }
-        });
+/// Of a triangle with vertices of its own, from where they are.
+void writeFlatNormal(const std::uint32_t* triangle, Geometry& out) {
+    const auto corner = [&](int k) { return glm::dvec3(out.positions[triangle[k]]); };
+    const glm::dvec3 area = glm::cross(corner(1) - corner(0), corner(2) - corner(0));
+    const double length = glm::length(area);
+    const glm::vec3 normal = length > 0.0 ? glm::vec3(area / length) : glm::vec3(0, 1, 0);
+    for (int k = 0; k < 3; ++k) out.normals[triangle[k]] = normal;
+}
+
+/// Writes one copy of a primitive: its vertices from `firstVertex` on, its indices from
+/// `firstIndex` on.
+void writeCopy(const AssetPrimitive& in, const VertexPlacer& placer, std::uint32_t firstVertex,
+               std::uint32_t firstIndex, Geometry& out) {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, in.positions.size(), kGrain),
+                      [&](const auto& range) {
+                          for (std::size_t i = range.begin(); i < range.end(); ++i) {
+                              out.positions[firstVertex + i] = glm::vec3(placer.position(i));
+                              out.normals[firstVertex + i] = glm::vec3(placer.normal(i));
+                          }
+                      });
+    const bool mirrored = placer.mirrored();
+    const bool ownNormals = in.flat && in.deforms();
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, in.indices.size() / 3, kGrain),
                       [&](const auto& range) {
                           for (std::size_t t = range.begin(); t < range.end(); ++t) {
                               const std::uint32_t* corner = &in.indices[3 * t];
-                              std::uint32_t* written = &out.indices[part.firstIndex + 3 * t];
-                              written[0] = part.firstVertex + corner[0];
+                              std::uint32_t* written = &out.indices[firstIndex + 3 * t];
+                              written[0] = firstVertex + corner[0];
                               // A mirroring matrix turns the front side over; glTF keeps it
                               // (section 3.7.4).
-                              written[1] = part.firstVertex + corner[mirrored ? 2 : 1];
-                              written[2] = part.firstVertex + corner[mirrored ? 1 : 2];
+                              written[1] = firstVertex + corner[mirrored ? 2 : 1];
+                              written[2] = firstVertex + corner[mirrored ? 1 : 2];
+                              if (ownNormals) writeFlatNormal(written, out);
                           }
                       });
 }
 
 }  // namespace
 
-std::vector<glm::dmat4> worldMatrices(const std::vector<AssetNode>& nodes,
-                                      const std::vector<NodeTrack>& tracks, double timeS) {
-    std::vector<Transform> transforms;
-    transforms.reserve(nodes.size());
-    for (const AssetNode& node : nodes) transforms.push_back(node.transform);
-    for (const NodeTrack& track : tracks) {
-        transforms[track.node].set(track.property, track.curve.at(timeS));
+void LoadedScene::write(std::size_t index, const Pose& pose, Geometry& out) const {
+    const Caster& caster = casters_[index];
+    const AssetPrimitive& in = primitives_[caster.primitive];
+    const std::span<const glm::dmat4> matrices = caster.range.matricesOf(pose);
+    std::uint32_t firstVertex = out.parts[index].firstVertex;
+    std::uint32_t firstIndex = out.parts[index].firstIndex;
+    for (const glm::dmat4& instance : caster.instances) {
+        const glm::dmat4 rigid = matrices[0] * instance;
+        const VertexPlacer placer(in, in.influences > 0 ? matrices : std::span(&rigid, 1),
+                                  caster.range.weightsOf(pose), origin);
+        writeCopy(in, placer, firstVertex, firstIndex, out);
+        firstVertex += static_cast<std::uint32_t>(in.positions.size());
+        firstIndex += static_cast<std::uint32_t>(in.indices.size());
     }
-    std::vector<glm::dmat4> world(nodes.size());
-    for (std::size_t i = 0; i < nodes.size(); ++i) {
-        world[i] = nodes[i].hasMatrix ? nodes[i].matrix : transforms[i].matrix();
-        if (nodes[i].parent >= 0) world[i] = world[nodes[i].parent] * world[i];
-    }
-    return world;
 }
 
 void LoadedScene::place(std::vector<AssetPrimitive> primitives, std::vector<Caster> casters,
@@ -75,11 +77,14 @@ void LoadedScene::place(std::vector<AssetPrimitive> primitives, std::vector<Cast
     std::uint32_t vertices = 0, indices = 0;
     for (const Caster& caster : casters_) {
         const AssetPrimitive& in = primitives_[caster.primitive];
-        const auto vertexCount = static_cast<std::uint32_t>(in.positions.size());
-        const auto indexCount = static_cast<std::uint32_t>(in.indices.size());
+        const std::size_t copies = caster.instances.size();
+        const auto vertexCount = static_cast<std::uint32_t>(copies * in.positions.size());
+        const auto indexCount = static_cast<std::uint32_t>(copies * in.indices.size());
         geometry->parts.push_back(
             {caster.name, vertices, vertexCount, indices, indexCount, in.material, caster.moves});
-        geometry->uvs.insert(geometry->uvs.end(), in.uvs.begin(), in.uvs.end());
+        for (std::size_t copy = 0; copy < copies; ++copy) {
+            geometry->uvs.insert(geometry->uvs.end(), in.uvs.begin(), in.uvs.end());
+        }
         vertices += vertexCount;
         indices += indexCount;
     }
@@ -87,8 +92,7 @@ void LoadedScene::place(std::vector<AssetPrimitive> primitives, std::vector<Cast
     geometry->normals.resize(vertices);
     geometry->indices.resize(indices);
     for (std::size_t i = 0; i < casters_.size(); ++i) {
-        write(primitives_[casters_[i].primitive], poses_[0][i], origin, geometry->parts[i],
-              *geometry);
+        write(i, poses_[0], *geometry);
     }
     first_ = geometry;
 }
@@ -108,8 +112,7 @@ std::shared_ptr<const Geometry> LoadedScene::geometryOf(std::size_t pose) const 
     // for a frame itself.
     const auto made = std::make_shared<Geometry>(*first_);
     for (std::size_t i = 0; i < casters_.size(); ++i) {
-        if (!casters_[i].moves) continue;
-        write(primitives_[casters_[i].primitive], poses_[pose][i], origin, made->parts[i], *made);
+        if (casters_[i].moves) write(i, poses_[pose], *made);
     }
     const std::lock_guard lock(mutex_);
     if (std::shared_ptr<const Geometry> known = others_[pose].lock()) return known;

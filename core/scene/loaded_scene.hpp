@@ -3,13 +3,10 @@
 #include <mutex>
 
 #include "core/scene/asset.hpp"
+#include "core/scene/pose.hpp"
 #include "core/scene/scene.hpp"
 
 namespace penumbra::scene_detail {
-
-/// World matrices of all nodes at a time; later tracks override earlier ones.
-std::vector<glm::dmat4> worldMatrices(const std::vector<AssetNode>& nodes,
-                                      const std::vector<NodeTrack>& tracks, double timeS);
 
 /// A scene whose light and camera are known for every frame; only geometry is made on demand.
 class LoadedScene final : public Scene {
@@ -24,9 +21,9 @@ class LoadedScene final : public Scene {
         std::string name;
         int primitive = 0;
         bool moves = false;
+        PoseRange range;
+        std::vector<glm::dmat4> instances;  ///< below the matrix of the pose; at least one
     };
-    /// World matrices of all casters.
-    using Pose = std::vector<glm::dmat4>;
 
     /// Call after `origin` is set, once: makes the geometry of pose 0.
     void place(std::vector<AssetPrimitive> primitives, std::vector<Caster> casters,
@@ -37,6 +34,7 @@ class LoadedScene final : public Scene {
 
   private:
     std::shared_ptr<const Geometry> geometryOf(std::size_t pose) const;
+    void write(std::size_t caster, const Pose& pose, Geometry& out) const;
 
     std::vector<AssetPrimitive> primitives_;
     std::vector<Caster> casters_;

@@ -55,7 +55,8 @@ fs::path assetPathOf(const Script& script, const SceneLibrary& library) {
     return path;
 }
 
-std::shared_ptr<const Scene> loadScript(const fs::path& file, const SceneLibrary& library) {
+std::shared_ptr<const Scene> loadScript(const fs::path& file, const SceneLibrary& library,
+                                        const LoadOptions& options) {
     const Script script = readScript(file);
     const fs::path asset = assetPathOf(script, library);
     std::error_code error;
@@ -68,7 +69,7 @@ std::shared_ptr<const Scene> loadScript(const fs::path& file, const SceneLibrary
         failScript(script, script.assetWhere,
                    fmt::format("asset {} does not exist", asset.string()));
     }
-    return buildScene(loadAsset(asset), script);
+    return buildScene(loadAsset(asset, options), script, options);
 }
 
 }  // namespace
@@ -92,15 +93,16 @@ SceneLibrary SceneLibrary::standard() {
             folder("PENUMBRA_ASSETS", PENUMBRA_ASSET_DIR)};
 }
 
-std::shared_ptr<const Scene> loadScene(const std::string& idOrPath, const SceneLibrary& library) {
+std::shared_ptr<const Scene> loadScene(const std::string& idOrPath, const SceneLibrary& library,
+                                       const LoadOptions& options) {
     const std::string extension = lowerExtension(idOrPath);
     const bool isScript = extension == ".toml";
     const bool isAsset = extension == ".glb" || extension == ".gltf";
     std::error_code error;
     if (isScript || isAsset) {
         if (!fs::exists(idOrPath, error)) failInput(idOrPath, "", "does not exist");
-        return isScript ? loadScript(idOrPath, library)
-                        : buildScene(loadAsset(idOrPath), std::nullopt);
+        return isScript ? loadScript(idOrPath, library, options)
+                        : buildScene(loadAsset(idOrPath, options), std::nullopt, options);
     }
     if (idOrPath.empty() || idOrPath.find('/') != std::string::npos || !extension.empty()) {
         throw InputError(oneLine(
@@ -115,7 +117,7 @@ std::shared_ptr<const Scene> loadScene(const std::string& idOrPath, const SceneL
             fmt::format("unknown scene '{}'; scenes are {}", idOrPath, knownScenes(library)),
             4000));
     }
-    return loadScript(file, library);
+    return loadScript(file, library, options);
 }
 
 }  // namespace penumbra

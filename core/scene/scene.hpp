@@ -8,6 +8,7 @@
 #include "core/scene/area_light.hpp"
 #include "core/scene/camera.hpp"
 #include "core/scene/geometry.hpp"
+#include "core/scene/load_options.hpp"
 #include "core/scene/material.hpp"
 
 namespace penumbra {
@@ -72,6 +73,7 @@ class AssetAbsent : public std::runtime_error {
 
 /// Loads a scene by id ("fence"), script path (.toml) or asset path (.glb, .gltf).
 /// Throws InputError (one line: file, place, valid choices) or AssetAbsent.
-std::shared_ptr<const Scene> loadScene(const std::string& idOrPath, const SceneLibrary& library);
+std::shared_ptr<const Scene> loadScene(const std::string& idOrPath, const SceneLibrary& library,
+                                       const LoadOptions& options = {});
 
 }  // namespace penumbra

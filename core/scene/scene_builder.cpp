@@ -5,16 +5,20 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <unordered_map>
 
+#include "core/scene/choice.hpp"
 #include "core/scene/input_text.hpp"
 #include "core/scene/light_rectangle.hpp"
 #include "core/scene/loaded_scene.hpp"
 #include "core/scene/placement.hpp"
+#include "core/scene/pose.hpp"
+#include "core/scene/punctual_light.hpp"
+#include "core/scene/supported_input.hpp"
 
 namespace penumbra::scene_detail {
 namespace {
 
-constexpr double kMaxExtentM = 1e15;  // squares of it still fit in a float
 constexpr std::size_t kListedNames = 12;
 
 std::string words(const glm::dvec3& p) {
@@ -23,9 +27,10 @@ std::string words(const glm::dvec3& p) {
 
 class Builder {
   public:
-    Builder(Asset asset, const std::optional<Script>& script)
+    Builder(Asset asset, const std::optional<Script>& script, const LoadOptions& options)
         : asset_(std::move(asset)),
           script_(script),
+          options_(options),
           scene_(std::make_shared<LoadedScene>()),
           tracks_(asset_.tracks) {
         if (script_) timesS_ = script_->timesS;
@@ -34,11 +39,13 @@ class Builder {
     std::shared_ptr<const Scene> build() {
         addScriptTracks();
         findMovingNodes();
+        chooseCamera();
         world_ = worldMatrices(asset_.nodes, tracks_, timesS_.front());
         scene_->chosen = asset_.notes;
         if (!script_ || !script_->light) chooseRectangle();
         measure();
-        const bool assetIsBare = !script_ && !rectangle_ && asset_.cameras.empty();
+        if (!rectangle_ && !(script_ && script_->light)) choosePunctual();
+        const bool assetIsBare = !script_ && !rectangle_ && !punctual_ && asset_.cameras.empty();
         placeLight();
         placeCamera();
         if (script_ && script_->ground) {
@@ -51,7 +58,9 @@ class Builder {
     }
 
   private:
-    [[noreturn]] void fail(const std::string& what) const { failInput(asset_.file, "", what); }
+    [[noreturn]] void fail(const std::string& what) const {
+        failInput(asset_.file, asset_.pointer, what);
+    }
 
     // --- Tracks ----------------------------------------------------------------------------------
 
@@ -104,12 +113,22 @@ class Builder {
 
     void findMovingNodes() {
         moves_.assign(asset_.nodes.size(), false);
+        morphs_.assign(asset_.nodes.size(), false);
         if (timesS_.size() < 2) return;
-        for (const NodeTrack& track : tracks_) moves_[track.node] = true;
+        for (const NodeTrack& track : tracks_) {
+            (track.property == NodeProperty::weight ? morphs_ : moves_)[track.node] = true;
+        }
         for (std::size_t i = 0; i < moves_.size(); ++i) {
             const int parent = asset_.nodes[i].parent;
             if (parent >= 0 && moves_[parent]) moves_[i] = true;
         }
+    }
+
+    bool placementMoves(const Placement& placement) const {
+        if (morphs_[placement.node]) return true;
+        if (placement.skin < 0) return moves_[placement.node];
+        const std::vector<int>& joints = asset_.skins[placement.skin].joints;
+        return std::any_of(joints.begin(), joints.end(), [&](int joint) { return moves_[joint]; });
     }
 
     bool scriptMoves(std::initializer_list<TrackTarget> targets) const {
@@ -119,7 +138,24 @@ class Builder {
         });
     }
 
-    // --- The asset's own light -------------------------------------------------------------------
+    // --- The asset's own camera and light --------------------------------------------------------
+
+    void chooseCamera() {
+        const bool scripted = script_ && script_->camera;
+        if (options_.camera.empty()) {
+            if (!scripted && !asset_.cameras.empty()) assetCamera_ = asset_.cameras.front();
+            return;
+        }
+        std::vector<std::string> names;
+        for (const AssetCamera& camera : asset_.cameras) names.push_back(camera.name);
+        const auto chosen = chosenByIndexOrName(options_.camera, names);
+        if (!chosen) {
+            fail(fmt::format("--camera {}: {}", oneLine(options_.camera, 60),
+                             names.empty() ? "the scene has no cameras"
+                                           : "the cameras are " + indexedNames(names)));
+        }
+        assetCamera_ = asset_.cameras[*chosen];
+    }
 
     /// Takes the emissive rectangle of the greatest flux out of the placements.
     void chooseRectangle() {
@@ -136,7 +172,8 @@ class Builder {
             const double emission = asset_.emissions[primitive.material];
             if (!(emission > 0.0)) continue;
             const glm::dmat4& world = world_[placement.node];
-            if (const auto rectangle = rectangleOf(primitive, world)) {
+            const bool plain = !primitive.deforms() && placement.instances < 0;
+            if (const auto rectangle = plain ? rectangleOf(primitive, world) : std::nullopt) {
                 candidates.push_back({i, *rectangle, rectangle->placedBy(world).area() * emission});
             } else {
                 otherEmission = true;
@@ -168,22 +205,47 @@ class Builder {
                                 static_cast<std::ptrdiff_t>(light->placement));
     }
 
+    void choosePunctual() {
+        const auto chosen = brightest(asset_.lights);
+        if (!chosen) return;
+        punctual_ = asset_.lights[*chosen];
+        scene_->chosen.push_back(describe(*punctual_, asset_.lights.size()));
+    }
+
     // --- Bounds and what is placed from them -----------------------------------------------------
 
-    /// Calls `visit(world matrix, primitive)` for everything but the light.
+    const std::vector<glm::dmat4>& instancesOf(const Placement& placement) const {
+        static const std::vector<glm::dmat4> kOne = {glm::dmat4(1.0)};
+        return placement.instances < 0 ? kOne : asset_.instances[placement.instances];
+    }
+
+    /// Calls `visit(vertices, primitive)` for every copy of everything but the light, in world
+    /// space at frame 0.
     void forEachPlaced(
-        const std::function<void(const glm::dmat4&, const AssetPrimitive&)>& visit) const {
-        for (const Placement& placement : asset_.placements) {
-            visit(world_[placement.node], asset_.primitives[placement.primitive]);
+        const std::function<void(const VertexPlacer&, const AssetPrimitive&)>& visit) const {
+        const PoseLayout layout(asset_);
+        const Pose pose = layout.at(asset_, tracks_, world_, timesS_.front());
+        for (std::size_t i = 0; i < asset_.placements.size(); ++i) {
+            const Placement& placement = asset_.placements[i];
+            const AssetPrimitive& primitive = asset_.primitives[placement.primitive];
+            const PoseRange& range = layout.rangeOf(i);
+            for (const glm::dmat4& instance : instancesOf(placement)) {
+                const glm::dmat4 rigid = world_[placement.node] * instance;
+                const auto matrices =
+                    placement.skin >= 0 ? range.matricesOf(pose) : std::span(&rigid, 1);
+                visit(VertexPlacer(primitive, matrices, range.weightsOf(pose), glm::dvec3(0.0)),
+                      primitive);
+            }
         }
     }
 
     void measure() {
         if (asset_.placements.empty()) fail("has no surface besides its light");
+        chargeFrames();
         bool finite = true;
-        forEachPlaced([&](const glm::dmat4& world, const AssetPrimitive& primitive) {
-            for (const glm::vec3& p : primitive.positions) {
-                const glm::dvec3 placed(world * glm::dvec4(p, 1.0));
+        forEachPlaced([&](const VertexPlacer& vertices, const AssetPrimitive& primitive) {
+            for (std::size_t i = 0; i < primitive.positions.size(); ++i) {
+                const glm::dvec3 placed = vertices.position(i);
                 // Bounds would not notice a NaN.
                 finite = finite && glm::length(placed) < kMaxExtentM;
                 bounds_.add(placed);
@@ -194,13 +256,36 @@ class Builder {
         scene_->origin = bounds_.centre();
     }
 
+    /// Geometry is made twice where something moves: for pose 0 and for the frame at hand.
+    void chargeFrames() {
+        std::uint64_t vertices = 0, corners = 0;
+        for (const Placement& placement : asset_.placements) {
+            const std::uint64_t copies = instancesOf(placement).size();
+            const AssetPrimitive& primitive = asset_.primitives[placement.primitive];
+            vertices += copies * primitive.positions.size();
+            corners += copies * primitive.indices.size();
+        }
+        if (std::max(vertices, corners) > UINT32_MAX) {
+            fail("has more vertices than 32-bit indices can name");
+        }
+        const std::size_t copies = timesS_.size() > 1 ? 2 : 1;
+        asset_.memory.charge(copies * vertices, 2 * sizeof(glm::vec3) + sizeof(glm::vec2),
+                             asset_.pointer, "its geometry");
+        asset_.memory.charge(copies * corners, sizeof(std::uint32_t), asset_.pointer,
+                             "its geometry");
+        asset_.memory.charge(timesS_.size(),
+                             PoseLayout(asset_).bytes() + sizeof(LoadedScene::FrameState),
+                             asset_.pointer, "its frames");
+        asset_.memory.charge(1, asset_.nodes.size() * (sizeof(glm::dmat4) + sizeof(Transform)),
+                             asset_.pointer, "its nodes");
+    }
+
     bool hasFloor() const {
         FloorMeter meter(bounds_);
-        forEachPlaced([&](const glm::dmat4& world, const AssetPrimitive& primitive) {
-            const bool mirrored = glm::determinant(glm::dmat3(world)) < 0.0;
+        forEachPlaced([&](const VertexPlacer& vertices, const AssetPrimitive& primitive) {
+            const bool mirrored = vertices.mirrored();
             const auto corner = [&](std::size_t index) {
-                return glm::dvec3(world *
-                                  glm::dvec4(primitive.positions[primitive.indices[index]], 1.0));
+                return vertices.position(primitive.indices[index]);
             };
             for (std::size_t t = 0; t < primitive.indices.size(); t += 3) {
                 meter.add(corner(t), corner(t + (mirrored ? 2 : 1)),
@@ -211,7 +296,7 @@ class Builder {
     }
 
     void placeLight() {
-        if (rectangle_ || (script_ && script_->light)) return;
+        if (rectangle_ || punctual_ || (script_ && script_->light)) return;
         fixedLight_ = lightForBounds(bounds_);
         scene_->chosen.push_back(fmt::format(
             "light: none given, placed a square of {0:.4g} x {0:.4g} m at {1} facing "
@@ -220,7 +305,7 @@ class Builder {
     }
 
     void placeCamera() {
-        if ((script_ && script_->camera) || !asset_.cameras.empty()) return;
+        if (assetCamera_ || (script_ && script_->camera)) return;
         fixedCamera_ = cameraForBounds(bounds_);
         scene_->chosen.push_back(
             fmt::format("camera: none given, placed at {} looking at {}, {:.4g} degrees high",
@@ -235,6 +320,7 @@ class Builder {
         node.transform.translation = plate.centre;
         asset_.nodes.push_back(node);
         moves_.push_back(false);
+        morphs_.push_back(false);
         asset_.materials.push_back(
             Material{.name = "ground", .baseColor = glm::vec4(0.8f, 0.8f, 0.8f, 1.0f)});
         asset_.primitives.push_back(plate.primitive(static_cast<int>(asset_.materials.size()) - 1));
@@ -256,6 +342,12 @@ class Builder {
             }
             return light;
         }
+        if (punctual_) {
+            const auto light = placedPunctual(*punctual_, world[punctual_->node], bounds_);
+            if (!light)
+                fail(fmt::format("its light '{}' is nowhere at {} s", punctual_->name, timeS));
+            return *light;
+        }
         ScriptLight light = *script_->light;
         for (const ScriptTrack& track : script_->tracks) {
             const glm::dvec4 value = track.curve.at(timeS);
@@ -270,9 +362,8 @@ class Builder {
 
     Camera cameraAt(double timeS, const std::vector<glm::dmat4>& world) const {
         if (fixedCamera_) return *fixedCamera_;
-        if (!script_ || !script_->camera) {
-            const AssetCamera& camera = asset_.cameras.front();
-            const Camera placed = cameraOfNode(camera.lens, world[camera.node]);
+        if (assetCamera_) {
+            const Camera placed = cameraOfNode(assetCamera_->lens, world[assetCamera_->node]);
             const double check = glm::length(placed.position) + glm::length(placed.right) +
                                  glm::length(placed.up) + glm::length(placed.back);
             if (!(check < kMaxExtentM)) {
@@ -300,47 +391,62 @@ class Builder {
                                timeS, what));
     }
 
-    LoadedScene::Pose poseOf(const std::vector<glm::dmat4>& world, double timeS) const {
-        LoadedScene::Pose pose;
-        for (const Placement& placement : asset_.placements) {
-            const glm::dmat4& matrix = world[placement.node];
-            for (int c = 0; c < 4; ++c) {
-                if (!(glm::length(matrix[c]) < kMaxExtentM)) {
-                    fail(fmt::format("'{}' is out of all bounds at {} s", placement.name, timeS));
-                }
+    void checkPose(const PoseLayout& layout, const Pose& pose, double timeS) const {
+        for (std::size_t i = 0; i < asset_.placements.size(); ++i) {
+            const PoseRange& range = layout.rangeOf(i);
+            bool good = true;
+            for (const glm::dmat4& matrix : range.matricesOf(pose)) {
+                for (int c = 0; c < 4; ++c) good = good && glm::length(matrix[c]) < kMaxExtentM;
             }
-            pose.push_back(matrix);
+            for (const double weight : range.weightsOf(pose)) {
+                good = good && std::abs(weight) < kMaxExtentM;
+            }
+            if (good) continue;
+            fail(
+                fmt::format("'{}' is out of all bounds at {} s", asset_.placements[i].name, timeS));
         }
-        return pose;
     }
 
     void fillScene() {
-        std::vector<LoadedScene::Pose> poses;
+        const PoseLayout layout(asset_);
+        std::vector<Pose> poses;
+        std::unordered_multimap<std::size_t, std::size_t> known;  // by hash
         std::vector<LoadedScene::FrameState> frames;
         for (const double timeS : timesS_) {
             const std::vector<glm::dmat4> world = worldMatrices(asset_.nodes, tracks_, timeS);
-            LoadedScene::FrameState frame{timeS, lightAt(timeS, world), cameraAt(timeS, world), 0};
+            LoadedScene::FrameState frame{timeS, lightAt(timeS, world), cameraAt(timeS, world),
+                                          poses.size()};
             frame.light.centre -= scene_->origin;
             frame.camera.position -= scene_->origin;
-            LoadedScene::Pose pose = poseOf(world, timeS);
-            const auto known = std::find(poses.begin(), poses.end(), pose);
-            frame.pose = static_cast<std::size_t>(known - poses.begin());
-            if (known == poses.end()) poses.push_back(std::move(pose));
+            Pose pose = layout.at(asset_, tracks_, world, timeS);
+            checkPose(layout, pose, timeS);
+            const std::size_t hash = pose.hash();
+            const auto [first, last] = known.equal_range(hash);
+            for (auto each = first; each != last; ++each) {
+                if (poses[each->second] == pose) frame.pose = each->second;
+            }
+            if (frame.pose == poses.size()) {
+                known.emplace(hash, poses.size());
+                poses.push_back(std::move(pose));
+            }
             frames.push_back(frame);
         }
         std::vector<LoadedScene::Caster> casters;
-        for (const Placement& placement : asset_.placements) {
-            const bool moves = moves_[placement.node];
-            casters.push_back({placement.name, placement.primitive, moves});
+        for (std::size_t i = 0; i < asset_.placements.size(); ++i) {
+            const Placement& placement = asset_.placements[i];
+            const bool moves = placementMoves(placement);
+            casters.push_back({placement.name, placement.primitive, moves, layout.rangeOf(i),
+                               instancesOf(placement)});
             scene_->movingCasters = scene_->movingCasters || moves;
         }
         scene_->movingLight = (rectangle_ && moves_[rectangleNode_]) ||
+                              (punctual_ && moves_[punctual_->node]) ||
                               scriptMoves({TrackTarget::lightPosition, TrackTarget::lightTarget,
                                            TrackTarget::lightSize});
-        const bool assetCamera = !fixedCamera_ && !(script_ && script_->camera);
-        scene_->movingCamera = (assetCamera && moves_[asset_.cameras.front().node]) ||
-                               scriptMoves({TrackTarget::cameraPosition, TrackTarget::cameraTarget,
-                                            TrackTarget::cameraFovY});
+        scene_->movingCamera =
+            assetCamera_ ? bool{moves_[assetCamera_->node]}
+                         : scriptMoves({TrackTarget::cameraPosition, TrackTarget::cameraTarget,
+                                        TrackTarget::cameraFovY});
         scene_->asset = asset_.file;
         scene_->source = script_ ? script_->file : asset_.file;
         scene_->id = scene_->source.stem().string();
@@ -361,22 +467,27 @@ class Builder {
 
     Asset asset_;
     const std::optional<Script>& script_;
+    const LoadOptions& options_;
     std::shared_ptr<LoadedScene> scene_;
     std::vector<NodeTrack> tracks_;  ///< the asset's, then the script's, which override them
     std::vector<double> timesS_ = {0.0};
-    std::vector<bool> moves_;        ///< per node
+    std::vector<bool> moves_;        ///< per node: its matrix changes between frames
+    std::vector<bool> morphs_;       ///< per node: its morph weights do
     std::vector<glm::dmat4> world_;  ///< per node, at frame 0
     Bounds bounds_;                  ///< of the asset without its light and ground, at frame 0
     std::optional<LocalRectangle> rectangle_;
     int rectangleNode_ = -1;
+    std::optional<AssetLight> punctual_;
+    std::optional<AssetCamera> assetCamera_;
     std::optional<AreaLight> fixedLight_;
     std::optional<Camera> fixedCamera_;
 };
 
 }  // namespace
 
-std::shared_ptr<const Scene> buildScene(Asset asset, const std::optional<Script>& script) {
-    return Builder(std::move(asset), script).build();
+std::shared_ptr<const Scene> buildScene(Asset asset, const std::optional<Script>& script,
+                                        const LoadOptions& options) {
+    return Builder(std::move(asset), script, options).build();
 }
 
 }  // namespace penumbra::scene_detail

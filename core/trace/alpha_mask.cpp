@@ -1,8 +1,30 @@
 #include "core/trace/alpha_mask.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace penumbra {
+namespace {
+
+/// Filtering stays within the range of the four texels up to rounding.
+constexpr float kRounding = 1e-5f;
+
+}  // namespace
+
+double shareCutOut(const Material& material, const std::vector<TextureImage>& images) {
+    if (!material.masked || material.alphaCutoff <= 0.0f) return 0.0;
+    if (material.baseColorTexture < 0)
+        return material.baseColor.a >= material.alphaCutoff ? 0.0 : 1.0;
+    const TextureImage& image = images[static_cast<std::size_t>(material.baseColorTexture)];
+    std::array<bool, 256> cut{};
+    for (std::size_t a = 0; a < cut.size(); ++a)
+        cut[a] = material.baseColor.a * static_cast<float>(a) / 255.0f <
+                 material.alphaCutoff + kRounding;
+    const std::size_t texels = image.rgba.size() / 4;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < texels; ++i) count += cut[image.rgba[4 * i + 3]];
+    return texels > 0 ? static_cast<double>(count) / static_cast<double>(texels) : 0.0;
+}
 
 AlphaMask::AlphaMask(const Material& material, const std::vector<TextureImage>& images)
     : material_(material), images_(images) {
@@ -14,8 +36,6 @@ AlphaMask::AlphaMask(const Material& material, const std::vector<TextureImage>& 
         const std::size_t texel = static_cast<std::size_t>(y) * width + x;
         return material.baseColor.a * static_cast<float>(image_->rgba[4 * texel + 3]) / 255.0f;
     };
-    // Filtering stays within the range of the four texels up to rounding.
-    constexpr float kRounding = 1e-5f;
     for (int y = 0; y + 1 < height; ++y)
         for (int x = 0; x + 1 < width; ++x) {
             const auto [least, most] =

@@ -8,8 +8,6 @@ namespace penumbra {
 namespace {
 
 constexpr std::uint32_t kLeafTriangles = 6;
-/// A median split halves the count: more than enough for 2^32 triangles.
-constexpr int kMaxDepth = 40;
 
 }  // namespace
 
@@ -50,70 +48,53 @@ bool Shaft::misses(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c
 }
 
 ShaftTree::ShaftTree(const std::vector<glm::dvec3>& vertices,
-                     const std::vector<std::array<std::uint32_t, 3>>& triangles)
-    : vertices_(vertices), triangles_(triangles), order_(triangles.size()) {
+                     const std::vector<std::array<std::uint32_t, 3>>& triangles, std::uint32_t run)
+    : vertices_(vertices), triangles_(triangles), run_(run) {
+    const auto count = static_cast<std::uint32_t>(triangles.size());
+    std::vector<Bounds> boxes((count + run - 1) / run);
+    for (std::uint32_t t = 0; t < count; ++t)
+        for (const std::uint32_t vertex : triangles[t]) boxes[t / run].add(vertices[vertex]);
+    order_.resize(boxes.size());
     std::iota(order_.begin(), order_.end(), 0u);
-    if (!order_.empty()) build(0, static_cast<std::uint32_t>(order_.size()));
+    if (!order_.empty()) build(boxes, 0, static_cast<std::uint32_t>(order_.size()));
 }
 
-Bounds ShaftTree::boxOf(std::uint32_t triangle) const {
-    Bounds box;
-    for (const std::uint32_t vertex : triangles_[triangle]) box.add(vertices_[vertex]);
-    return box;
-}
-
-std::uint32_t ShaftTree::build(std::uint32_t first, std::uint32_t count) {
+std::uint32_t ShaftTree::build(const std::vector<Bounds>& boxes, std::uint32_t first,
+                               std::uint32_t count) {
     const auto index = static_cast<std::uint32_t>(nodes_.size());
     nodes_.emplace_back();
     Bounds box, centres;
     for (std::uint32_t i = first; i < first + count; ++i) {
-        const Bounds triangle = boxOf(order_[i]);
-        box.add(triangle.lo);
-        box.add(triangle.hi);
-        centres.add(triangle.centre());
+        const Bounds& one = boxes[order_[i]];
+        box.add(one.lo);
+        box.add(one.hi);
+        centres.add(one.centre());
     }
     nodes_[index].box = box;
-    if (count <= kLeafTriangles) {
+    if (count * run_ <= std::max(kLeafTriangles, run_)) {
         nodes_[index].first = first;
         nodes_[index].count = count;
         return index;
     }
     const glm::dvec3 size = centres.hi - centres.lo;
     const int axis = size.x >= size.y ? (size.x >= size.z ? 0 : 2) : (size.y >= size.z ? 1 : 2);
-    const auto key = [&](std::uint32_t triangle) {
-        const auto& [a, b, c] = triangles_[triangle];
-        const double x = vertices_[a][axis], y = vertices_[b][axis], z = vertices_[c][axis];
-        return std::min({x, y, z}) + std::max({x, y, z});
-    };
+    const auto key = [&](std::uint32_t run) { return boxes[run].lo[axis] + boxes[run].hi[axis]; };
     const auto begin = order_.begin() + first;
     std::nth_element(begin, begin + count / 2, begin + count,
                      [&](std::uint32_t l, std::uint32_t r) { return key(l) < key(r); });
-    build(first, count / 2);
-    const std::uint32_t right = build(first + count / 2, count - count / 2);
+    build(boxes, first, count / 2);
+    const std::uint32_t right = build(boxes, first + count / 2, count - count / 2);
     nodes_[index].right = right;
     return index;
 }
 
 void ShaftTree::query(const Shaft& shaft, std::vector<std::uint32_t>& found) const {
     found.clear();
-    if (nodes_.empty()) return;
-    std::array<std::uint32_t, kMaxDepth> stack;
-    std::size_t waiting = 0;
-    stack[waiting++] = 0;
-    while (waiting > 0) {
-        const std::uint32_t index = stack[--waiting];
-        const Node& node = nodes_[index];
-        if (shaft.misses(node.box)) continue;
-        if (node.right != 0) {
-            stack[waiting++] = node.right;
-            stack[waiting++] = index + 1;
-            continue;
-        }
-        for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
-            const auto& [a, b, c] = triangles_[order_[i]];
-            if (!shaft.misses(vertices_[a], vertices_[b], vertices_[c])) found.push_back(order_[i]);
-        }
-    }
+    const auto all = [](const auto&...) { return true; };
+    visit(shaft, all, [&](std::uint32_t triangle) {
+        found.push_back(triangle);
+        return true;
+    });
 }
 
 }  // namespace penumbra

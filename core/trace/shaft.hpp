@@ -1,8 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <optional>
 #include <vector>
 
 #include "core/scene/area_light.hpp"
@@ -51,11 +53,29 @@ class Shaft {
 /// The triangles that a shaft may meet: a binary BVH over light space, split at the median.
 class ShaftTree {
   public:
-    /// Three indices into `vertices` per triangle; both must outlive the tree.
+    /// Three indices into `vertices` per triangle; both must outlive the tree. So many as `run`
+    /// that follow each other stay together: where neighbours in a mesh are neighbours in its list,
+    /// a tree of runs is made many times faster and finds the same a little slower.
     ShaftTree(const std::vector<glm::dvec3>& vertices,
-              const std::vector<std::array<std::uint32_t, 3>>& triangles);
+              const std::vector<std::array<std::uint32_t, 3>>& triangles, std::uint32_t run = 1);
     /// Replaces `found` by the triangles that `shaft` does not miss.
     void query(const Shaft& shaft, std::vector<std::uint32_t>& found) const;
+    /// Some triangle that `shaft` does not miss and for whose vertices `isMeant(a, b, c)` holds;
+    /// boxes for which `mayHold` is false are passed over.
+    template <class MayHold, class IsMeant>
+    std::optional<std::uint32_t> any(const Shaft& shaft, const MayHold& mayHold,
+                                     const IsMeant& isMeant) const {
+        std::optional<std::uint32_t> found;
+        visit(shaft, mayHold, [&](std::uint32_t triangle) {
+            const auto& [a, b, c] = triangles_[triangle];
+            if (isMeant(vertices_[a], vertices_[b], vertices_[c])) found = triangle;
+            return !found;
+        });
+        return found;
+    }
+    const std::array<std::uint32_t, 3>& triangle(std::uint32_t index) const {
+        return triangles_[index];
+    }
 
   private:
     struct Node {
@@ -63,13 +83,47 @@ class ShaftTree {
         std::uint32_t first = 0, count = 0;  ///< of `order_` in a leaf
         std::uint32_t right = 0;             ///< the left child comes next; 0 in a leaf
     };
-    std::uint32_t build(std::uint32_t first, std::uint32_t count);
-    Bounds boxOf(std::uint32_t triangle) const;
+    /// A median split halves the count: more than enough for 2^32 triangles.
+    static constexpr int kMaxDepth = 40;
+
+    std::uint32_t build(const std::vector<Bounds>& boxes, std::uint32_t first, std::uint32_t count);
+    /// Calls `onTriangle` with all that `shaft` does not miss until it returns false.
+    template <class MayHold, class OnTriangle>
+    void visit(const Shaft& shaft, const MayHold& mayHold, const OnTriangle& onTriangle) const;
 
     const std::vector<glm::dvec3>& vertices_;
     const std::vector<std::array<std::uint32_t, 3>>& triangles_;
-    std::vector<std::uint32_t> order_;
+    std::uint32_t run_;
+    std::vector<std::uint32_t> order_;  ///< of runs
     std::vector<Node> nodes_;
 };
+
+template <class MayHold, class OnTriangle>
+void ShaftTree::visit(const Shaft& shaft, const MayHold& mayHold,
+                      const OnTriangle& onTriangle) const {
+    if (nodes_.empty()) return;
+    const auto triangleCount = static_cast<std::uint32_t>(triangles_.size());
+    std::array<std::uint32_t, kMaxDepth> stack;
+    std::size_t waiting = 0;
+    stack[waiting++] = 0;
+    while (waiting > 0) {
+        const std::uint32_t index = stack[--waiting];
+        const Node& node = nodes_[index];
+        if (shaft.misses(node.box) || !mayHold(node.box)) continue;
+        if (node.right != 0) {
+            stack[waiting++] = node.right;
+            stack[waiting++] = index + 1;
+            continue;
+        }
+        for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+            const std::uint32_t end = std::min(triangleCount, (order_[i] + 1) * run_);
+            for (std::uint32_t t = order_[i] * run_; t < end; ++t) {
+                const auto& [a, b, c] = triangles_[t];
+                if (!shaft.misses(vertices_[a], vertices_[b], vertices_[c]) && !onTriangle(t))
+                    return;
+            }
+        }
+    }
+}
 
 }  // namespace penumbra

@@ -42,7 +42,7 @@ class Player {
           method_(findMethod(id).make()),
           target_(stage.gbuffer.width, stage.gbuffer.height) {
         for (const auto& [parameter, value] : settings) method_->set(id, parameter, value);
-        plan_ = planFor({}, stage.calledFor, method_->traits().simulates);
+        plan_ = planFor({}, stage.analysis.calledFor(), method_->traits().simulates);
         method_->prepare(*stage.scene, plan_);
     }
 

@@ -42,7 +42,7 @@ struct Prepared {
     Prepared(const Stage& on, const std::string& id, const Assignments& settings)
         : stage(on), method(findMethod(id).make()) {
         for (const auto& [parameter, value] : settings) method->set(id, parameter, value);
-        plan = planFor({}, stage.calledFor, method->traits().simulates);
+        plan = planFor({}, stage.analysis.calledFor(), method->traits().simulates);
         method->prepare(*stage.scene, plan);
         build();
         shade();

@@ -27,23 +27,15 @@ Stage::Stage(const std::string& id, int width, int height,
       textures(uploadGBuffer(gbuffer)),
       materials(scene->materials, scene->images),
       geometry(moment.geometry, materials),
-      frame{*scene,
-            0,
-            moment.light,
-            boundLight(moment.light, gbuffer, *moment.geometry),
-            moment.camera,
-            moment.geometry,
-            tracer,
-            gbuffer,
-            textures,
-            geometry,
-            1},
-      calledFor(effectsCalledFor(*scene, moment)) {}
+      bounds(boundLight(moment.light, gbuffer, *moment.geometry)),
+      analysis(analyseFrame(*scene, tracer, moment.light, gbuffer, bounds)),
+      frame{*scene, 0,       moment.light, bounds,   moment.camera,        moment.geometry,
+            tracer, gbuffer, textures,     geometry, analysis.casterFacts, 1} {}
 
 Stage::Act Stage::act(const std::string& methodId, const Assignments& settings) const {
     Act act{findMethod(methodId).make(), {}};
     for (const auto& [parameter, value] : settings) act.method->set(methodId, parameter, value);
-    act.plan = planFor({}, calledFor, act.method->traits().simulates);
+    act.plan = planFor({}, analysis.calledFor(), act.method->traits().simulates);
     act.method->prepare(*scene, act.plan);
     return act;
 }

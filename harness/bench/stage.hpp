@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "core/analysis/frame_analysis.hpp"
 #include "core/frame/gpu_geometry.hpp"
 #include "core/gl/context.hpp"
 #include "methods/shadow_method.hpp"
@@ -24,8 +25,9 @@ struct Stage {
     GBufferTextures textures;
     GpuMaterials materials;
     GpuGeometry geometry;
+    LightBounds bounds;
+    FrameAnalysis analysis;
     Frame frame;
-    EffectSet calledFor;
 
     /// `change` may make another light of the scene's, `changeCamera` another camera.
     Stage(const std::string& id, int width, int height,

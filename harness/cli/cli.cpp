@@ -6,6 +6,7 @@
 
 #include "core/error.hpp"
 #include "harness/cli/commands.hpp"
+#include "harness/run/command_line.hpp"
 
 namespace penumbra {
 namespace {
@@ -13,21 +14,7 @@ namespace {
 /// The command line as it could be typed again.
 std::string quoted(int argc, char** argv) {
     std::string line = "penumbra";
-    for (int i = 1; i < argc; ++i) {
-        const std::string argument = argv[i];
-        const bool plain =
-            !argument.empty() && argument.find_first_not_of(
-                                     "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRS"
-                                     "TUVWXYZ0123456789_-+=.,:/@%") == std::string::npos;
-        line += ' ';
-        if (plain) {
-            line += argument;
-            continue;
-        }
-        line += '\'';
-        for (char c : argument) line += c == '\'' ? "'\\''" : std::string(1, c);
-        line += '\'';
-    }
+    for (int i = 1; i < argc; ++i) line += ' ' + shellQuoted(argv[i]);
     return line;
 }
 
@@ -64,12 +51,15 @@ int runCommandLine(int argc, char** argv) {
     addTuneCommand(app, action);
     addListCommand(app, action);
     addReportCommand(app, action);
+    addCheckCommand(app, action);
+    addApproveCommand(app, action);
     addMergeCommand(app, action);
     addDiffCommand(app, action);
     addScoreCommand(app, action, quoted(argc, argv));
     addExportCommand(app, action);
     addStressCommand(app, action);
     addReproduceCommand(app, action, quoted(argc, argv));
+    addViewCommand(app, action);
     try {
         requireSubcommand(app, argc, argv);
         app.parse(argc, argv);

@@ -14,6 +14,8 @@ using Action = std::function<int()>;
 void addTuneCommand(CLI::App& app, Action& action);
 void addListCommand(CLI::App& app, Action& action);
 void addCompareCommand(CLI::App& app, Action& action, const std::string& commandLine);
+void addCheckCommand(CLI::App& app, Action& action);
+void addApproveCommand(CLI::App& app, Action& action);
 void addReportCommand(CLI::App& app, Action& action);
 void addMergeCommand(CLI::App& app, Action& action);
 void addDiffCommand(CLI::App& app, Action& action);
@@ -21,5 +23,6 @@ void addExportCommand(CLI::App& app, Action& action);
 void addReproduceCommand(CLI::App& app, Action& action, const std::string& commandLine);
 void addScoreCommand(CLI::App& app, Action& action, const std::string& commandLine);
 void addStressCommand(CLI::App& app, Action& action);
+void addViewCommand(CLI::App& app, Action& action);
 
 }  // namespace penumbra

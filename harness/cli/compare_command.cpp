@@ -52,7 +52,12 @@ void addCompareCommand(CLI::App& app, Action& action, const std::string& command
         ->expected(2);
     command->add_option("--effects", entered->effects,
                         "auto | all | none | a,b,... (see list effects)");
+    auto* table = command->add_flag(
+        "--effects-table", o.effectsTable,
+        "also time every setting under all effects and with each one left out, and "
+        "print what that costs");
     addTruthOptions(*command, o, entered->size, "image size WxH (default: 512x512)");
+    addLoadOptions(*command, o.load);
     command
         ->add_option("--repeats", entered->repeats,
                      "rounds in which every cell is timed (default: 5; one that was timed three "
@@ -69,7 +74,8 @@ void addCompareCommand(CLI::App& app, Action& action, const std::string& command
         ->add_option("--scaling", entered->scaling,
                      "triangles | pixels | map_size | light_size | slices: only time the methods "
                      "over a series of it and fit the exponent")
-        ->excludes(shard);
+        ->excludes(shard)
+        ->excludes(table);
     command->callback([entered, &action] { action = [entered] { return run(*entered); }; });
 }
 

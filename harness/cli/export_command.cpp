@@ -38,6 +38,7 @@ void addExportCommand(CLI::App& app, Action& action) {
     command->add_option("--frame", o.frame, "which frame (default: 0)");
     command->add_option("--out", o.out, "folder to write into")->required();
     addTruthOptions(*command, o.truth, entered->size, "image size WxH (default: 512x512)");
+    addLoadOptions(*command, o.truth.load);
     command->callback([entered, &action] { action = [entered] { return run(*entered); }; });
 }
 

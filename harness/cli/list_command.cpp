@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.hpp"
+#include "core/scene/supported_input.hpp"
 #include "harness/cli/commands.hpp"
 #include "harness/metrics/metrics.hpp"
 #include "harness/run/suite.hpp"
@@ -76,6 +77,14 @@ Json listEffects() {
     return list;
 }
 
+/// What the loader reads, ignores, refuses and bounds.
+Json listInputs() {
+    Json list = Json::array();
+    for (const SupportedInput& input : supportedInputs())
+        list.push_back({{"id", input.id}, {"kind", input.kindName()}, {"doc", input.doc}});
+    return list;
+}
+
 std::string cell(const Json& value) {
     if (!value.is_string()) return value.dump();
     std::string text;
@@ -139,9 +148,10 @@ void addListCommand(CLI::App& app, Action& action) {
         bool json = false, markdown = false;
     };
     auto choice = std::make_shared<Choice>();
-    command->add_option("kind", choice->kind, "methods | scenes | suites | metrics | effects")
+    command
+        ->add_option("kind", choice->kind, "methods | scenes | suites | metrics | effects | inputs")
         ->required()
-        ->check(CLI::IsMember({"methods", "scenes", "suites", "metrics", "effects"}));
+        ->check(CLI::IsMember({"methods", "scenes", "suites", "metrics", "effects", "inputs"}));
     auto* json = command->add_flag("--json", choice->json, "as JSON");
     command->add_flag("--markdown", choice->markdown, "as Markdown tables")->excludes(json);
     command->callback([choice, &action] {
@@ -150,7 +160,8 @@ void addListCommand(CLI::App& app, Action& action) {
                               : choice->kind == "scenes"  ? listScenes()
                               : choice->kind == "suites"  ? listSuites()
                               : choice->kind == "metrics" ? listMetrics()
-                                                          : listEffects();
+                              : choice->kind == "effects" ? listEffects()
+                                                          : listInputs();
             fmt::print("{}", choice->json       ? list.dump(2) + "\n"
                              : choice->markdown ? markdown(list)
                                                 : plain(list));

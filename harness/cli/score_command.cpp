@@ -72,6 +72,7 @@ void addScoreCommand(CLI::App& app, Action& action, const std::string& commandLi
     command->add_option("--out", o.run, "run folder, new or existing, to add the row to");
     addTruthOptions(*command, o.truth, entered->size,
                     "the frame's size WxH (default: the image's own)");
+    addLoadOptions(*command, o.truth.load);
     command->callback([entered, &action] { action = [entered] { return run(*entered); }; });
 }
 

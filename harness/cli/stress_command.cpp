@@ -46,7 +46,7 @@ int runStressMatrix(const Entered& entered) {
     if (!entered.out.empty()) {
         stress::writeMatrix(matrix, entered.out);
         const RunFolder run(entered.out);
-        if (std::filesystem::exists(run.summary())) writeSummary(run);
+        if (std::filesystem::exists(run.summary())) writeArtefacts(run);
     }
     fmt::print("{}", entered.markdown ? markdownText(matrix) : tableText(matrix));
     return matrix.wrong() ? 1 : 0;

@@ -35,6 +35,18 @@ void addTruthOptions(CLI::App& command, TruthOptions& o, std::optional<std::stri
     command.add_option("--cache", o.cache, "folder of cached references");
 }
 
+void addLoadOptions(CLI::App& command, LoadOptions& o) {
+    command.add_option("--asset-scene", o.assetScene,
+                       "glTF scene of the asset, index or name (default: the asset's own)");
+    command.add_option("--camera", o.camera,
+                       "camera of the asset, index or name; wins over a script's (default: the "
+                       "script's, else the asset's first)");
+    command
+        .add_option("--max-memory", o.maxMemoryBytes,
+                    "what an asset may make the loader allocate, as in 512MiB (default: 4GiB)")
+        ->transform(CLI::AsSizeValue(false));
+}
+
 void finishTruthOptions(TruthOptions& o, const std::optional<std::string>& size) {
     if (size) {
         std::tie(o.width, o.height) = parsePair("--size", *size, 'x');

@@ -19,6 +19,9 @@ std::pair<int, int> parsePair(const std::string& option, const std::string& text
 void addTruthOptions(CLI::App& command, TruthOptions& options, std::optional<std::string>& size,
                      const std::string& sizeHelp);
 
+/// The options --asset-scene, --camera and --max-memory, of every subcommand that takes an asset.
+void addLoadOptions(CLI::App& command, LoadOptions& options);
+
 /// Reads `size`, where it was given, into `options` and refuses what CLI11 lets through.
 void finishTruthOptions(TruthOptions& options, const std::optional<std::string>& size);
 

@@ -50,6 +50,7 @@ void addTuneCommand(CLI::App& app, Action& action) {
     command->add_option("--max-ms", o.maxMs,
                         "find the most accurate setting with this median frame time or less");
     addTruthOptions(*command, o, entered->size, "image size WxH (default: 512x512)");
+    addLoadOptions(*command, o.load);
     command->add_option("--context", entered->context, "osmesa | egl | glfw | auto");
     command->add_flag("--remeasure", o.remeasure, "measure anew what the cache folder holds");
     command->add_flag("--against-ladders", o.againstLadders,

@@ -42,8 +42,8 @@ std::vector<std::filesystem::path> exportFrame(const ExportOptions& options,
     if (traced.frame.light.isPoint())
         note(
             fmt::format("{}: the light is a point, which has no rectangle: the .glb holds it as "
-                        "KHR_lights_punctual, which penumbra does not read back; the .json has "
-                        "its place",
+                        "KHR_lights_punctual, which penumbra reads back facing the scene's "
+                        "centre; the .json has where it faces",
                         scene->id));
     const ObtainedReference obtained = obtainReference(
         *scene, options.frame, *traced.tracer, traced.gbuffer, traced.frame.light, truth, progress);

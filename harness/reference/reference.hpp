@@ -37,7 +37,8 @@ struct ReferenceOptions {
     int maxRaysPerPixel = 65536;
 };
 
-/// Called now and then with the fraction done in [0,1].
+/// Called now and then with the fraction done in [0,1]. What it throws ends the work it tells about
+/// and reaches the caller.
 using Progress = std::function<void(double)>;
 
 Reference traceReference(const Tracer& tracer, const GBuffer& gbuffer, const AreaLight& light,

@@ -233,6 +233,7 @@ Caption captionOf(const Row& row) {
         if (!caption.numbers.empty()) caption.numbers += "    ";
         caption.numbers += milliseconds(*row.frameMs);
     }
+    if (!row.effectsMissing.empty()) caption.small = "missing: " + row.effectsMissing + ' ';
     if (row.setting != row.method) {
         for (const char c : row.params) {
             caption.small += c;

@@ -24,9 +24,9 @@ struct GridFrame {
 
 /// grid/<scene>.png: one picture of a scene for people. Columns are the reference and then the
 /// cells; each is a shaded image over its signed error map (under the reference: its pixel classes)
-/// with name, rmse and frame time below; a cell without an image says why. Frames stack downwards.
-/// Tiles are 384 pixels wide up to 6 columns, else 256; after 12 columns a new line starts. Linear
-/// RGB for writePng.
+/// with name, rmse, frame time and the effects that the method cannot simulate below; a cell
+/// without an image says why. Frames stack downwards. Tiles are 384 pixels wide up to 6 columns,
+/// else 256; after 12 columns a new line starts. Linear RGB for writePng.
 Image renderGrid(const std::string& sceneId, const std::string& shows,
                  const std::vector<GridFrame>& frames);
 

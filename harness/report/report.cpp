@@ -1,29 +1,36 @@
 #include "harness/report/report.hpp"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for_each.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <map>
 
+#include "harness/report/benchmark.hpp"
 #include "harness/report/grid.hpp"
 #include "harness/report/markdown.hpp"
+#include "harness/report/page_image.hpp"
+#include "harness/report/report_page.hpp"
 #include "harness/report/summary.hpp"
 #include "harness/run/csv.hpp"
 #include "harness/run/files.hpp"
 #include "harness/study/curve.hpp"
+#include "harness/study/effects_table.hpp"
 #include "harness/study/paired_report.hpp"
 
 namespace penumbra {
 namespace {
 
-void writeGrid(const RunFolder& folder, const RunRecord::SceneEntry& scene,
-               const std::vector<Row>& rows) {
+/// Writes grid/<scene>.png; what the page shows of the scene, `sceneIndex` of the record, comes
+/// from the same images.
+PageScene drawScene(const RunFolder& folder, const RunRecord& record, std::size_t sceneIndex,
+                    const std::vector<Row>& rows, int stride) {
+    const RunRecord::SceneEntry& scene = record.scenes[sceneIndex];
     std::vector<int> frames;
     for (const Row& row : rows)
         if (row.scene == scene.id && std::ranges::find(frames, row.frame) == frames.end())
             frames.push_back(row.frame);
-    if (frames.empty()) return;
+    if (frames.empty()) return {};
     std::ranges::sort(frames);
 
     std::vector<GBuffer> gbuffers;
@@ -45,6 +52,20 @@ void writeGrid(const RunFolder& folder, const RunRecord::SceneEntry& scene,
     }
     std::filesystem::create_directories(folder.grid(scene.id).parent_path());
     writePng(folder.grid(scene.id), renderGrid(scene.id, scene.shows, grid));
+
+    PageScene page;
+    for (const GridFrame& frame : grid) {
+        page.frames.push_back({frame.index, frame.gbuffer->width, frame.gbuffer->height});
+        page.images += pageImages(frame, sceneIndex, rows, stride);
+    }
+    return page;
+}
+
+double imagePixels(const std::vector<Row>& rows) {
+    double pixels = 0.0;
+    for (const Row& row : rows)
+        if (row.status == "ok") pixels += static_cast<double>(row.width) * row.height;
+    return pixels;
 }
 
 RunRecord readRecord(const RunFolder& folder, const std::string& curveMetric) {
@@ -100,14 +121,29 @@ void orderRows(const RunFolder& folder, const RunRecord& record) {
     std::string text = csvHeader() + "\n";
     for (const Row& row : rows) text += toCsv(row) + "\n";
     writeFileAtomically(folder.results(), text);
+    // A verdict on other rows is none on these.
+    std::filesystem::remove(folder.gate());
 }
 
 void writeArtefacts(const RunFolder& folder, const std::string& curveMetric) {
     const RunRecord record = readRecord(folder, curveMetric);
     const std::vector<Row> rows = readCsv(folder.results());
-    tbb::parallel_for_each(
-        record.scenes, [&](const RunRecord::SceneEntry& scene) { writeGrid(folder, scene, rows); });
+    const int stride = pageStride(imagePixels(rows));
+    std::vector<PageScene> scenes(record.scenes.size());
+    // One at a time, for a long scene shall not wait behind short ones; each holds its images.
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, scenes.size(), 1),
+        [&](const tbb::blocked_range<std::size_t>& range) {
+            for (std::size_t i = range.begin(); i != range.end(); ++i)
+                scenes[i] = drawScene(folder, record, i, rows, stride);
+        },
+        tbb::simple_partitioner());
     writeCurves(folder, record, rows);
+    if (std::filesystem::exists(folder.effectsCsv()))
+        writeFileAtomically(folder.effectsTable(),
+                            effectsTableMarkdown(readEffectsCsv(folder.effectsCsv())));
+    writeFileAtomically(folder.benchmark(), benchmarkJson(rows));
+    writeReportPage(folder, record, rows, scenes, stride);
     writeSummary(folder, curveMetric);
 }
 
@@ -125,12 +161,14 @@ void writeSummary(const RunFolder& folder, const std::string& curveMetric) {
     input.studies = studiesOf(input.rows, record);
     input.costMetric = record.curveMetric;
     input.references = record.references;
+    input.analysis = record.analysis;
     input.phases = record.phases;
     input.skippedScenes = record.skippedScenes;
     std::string text = summaryMarkdown(input);
     if (std::filesystem::exists(folder.paired()))
         text += pairedMarkdown(readPairedCsv(folder.paired()), input.rows, record.settings);
     if (std::filesystem::exists(folder.stress())) text += asSection(readTextFile(folder.stress()));
+    if (std::filesystem::exists(folder.gate())) text += asSection(readTextFile(folder.gate()));
     writeFileAtomically(folder.summary(), text);
 }
 

@@ -11,6 +11,7 @@
 
 #include "harness/report/markdown.hpp"
 #include "harness/report/summary_cost.hpp"
+#include "harness/report/summary_effects.hpp"
 #include "harness/run/provenance.hpp"
 #include "harness/run/separation.hpp"
 
@@ -400,8 +401,9 @@ std::string ratios(const SummaryInput& input) {
 std::string summaryMarkdown(const SummaryInput& input) {
     return fmt::format("# {}\n\n", escaped(input.title)) + provenance(input) + warnings(input) +
            overview(input) + costMarkdown(input.studies, input.costMetric) + scenes(input) +
-           shadowEdges(input) + separation(input) + references(input) + certification(input) +
-           phases(input) + ratios(input);
+           shadowEdges(input) + effectsMarkdown(input.analysis) + capabilityMarkdown(input.rows) +
+           separation(input) + references(input) + certification(input) + phases(input) +
+           ratios(input);
 }
 
 }  // namespace penumbra

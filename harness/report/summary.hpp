@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "harness/reference/certificate.hpp"
+#include "harness/run/effects_record.hpp"
 #include "harness/run/row.hpp"
 #include "harness/study/pareto.hpp"
 
@@ -36,6 +37,7 @@ struct SummaryInput {
     std::vector<std::pair<std::string, std::string>> provenance;  ///< name, value
     std::vector<Row> rows;
     std::vector<ReferenceStats> references;
+    std::vector<EffectsRecord> analysis;
     std::vector<PhaseTime> phases;                                   ///< together the whole run
     std::vector<std::pair<std::string, std::string>> skippedScenes;  ///< scene, reason
     std::vector<CostStudy> studies;                                  ///< of runs with a curve
@@ -43,8 +45,9 @@ struct SummaryInput {
 };
 
 /// summary.md: warnings first, then settings over all scenes, what accuracy costs, each scene,
-/// widths of penumbrae, what separating shading from visibility costs, the references and where the
-/// time went. GitHub-flavoured Markdown; the same input gives the same text.
+/// widths of penumbrae, effects and what methods can simulate of them, what separating shading from
+/// visibility costs, the references and where the time went. GitHub-flavoured Markdown; the same
+/// input gives the same text.
 std::string summaryMarkdown(const SummaryInput& input);
 
 }  // namespace penumbra

@@ -11,19 +11,26 @@
 
 namespace penumbra {
 
+bool keepsMaps(const Plan& plan, int index) {
+    return index > 0 && !plan.has(Effect::moving_light) && !plan.has(Effect::moving_casters);
+}
+
+void SettingRun::prepareFor(const Frame& frame, const Plan& plan) {
+    resetGlState();
+    if (method_ && plan_ == plan) return;
+    method_ = setting_.make();
+    builtFor_.reset();
+    const gl::FencedTimer timer;
+    method_->prepare(frame.scene, plan);
+    prepareMs_ = timer.stop();
+    gl::checkErrors(setting_.name + ": prepare");
+    plan_ = plan;
+}
+
 void SettingRun::warmUp(const Frame& frame, const Plan& plan, bool keepMaps,
                         const TextureTarget& target, Row& row) {
-    resetGlState();
-    if (!method_ || !(plan_ == plan)) {
-        method_ = setting_.make();
-        builtFor_.reset();
-        const gl::FencedTimer timer;
-        method_->prepare(frame.scene, plan);
-        prepareMs_ = timer.stop();
-        gl::checkErrors(setting_.name + ": prepare");
-        plan_ = plan;
-    }
-    const LightInputs now{frame.geometry, frame.light, frame.lightBounds};
+    prepareFor(frame, plan);
+    const LightInputs now{frame.geometry, frame.light, frame.lightBounds, frame.casterFacts};
     kept_ = keepMaps;
     if (kept_ && builtFor_ != now) method_->build(frame, plan_);
     builtFor_ = now;
@@ -63,13 +70,26 @@ SettingRun::Sample SettingRun::timed(const Frame& frame, const TextureTarget& ta
     return sample;
 }
 
+SettingRun::Sample SettingRun::live(const Frame& frame, const Plan& plan,
+                                    const TextureTarget& target) {
+    prepareFor(frame, plan);
+    const LightInputs now{frame.geometry, frame.light, frame.lightBounds, frame.casterFacts};
+    kept_ = builtFor_ == now;
+    builtFor_ = now;
+    target.poison();
+    const Sample sample = timed(frame, target);
+    visibility_ = target.read();
+    return sample;
+}
+
 void runCells(const Frame& frame, const CellOptions& options, const std::vector<SettingRun*>& runs,
               const TextureTarget& target,
-              const std::function<void(Row&&, const std::vector<float>&)>& done) {
+              const std::function<void(std::size_t, Row&&, const std::vector<float>&)>& done) {
     struct Cell {
-        SettingRun* run;
-        std::size_t index;  ///< in `runs`
+        SettingRun* run = nullptr;
+        std::size_t index = 0;  ///< in `runs`
         Row row;
+        const Frame* frame = nullptr;  ///< as its plan has it
         std::vector<double> build, shade, total;
         double spentMs = 0.0;  ///< on timed frames
         bool measured(const CellOptions& options) const {
@@ -89,14 +109,16 @@ void runCells(const Frame& frame, const CellOptions& options, const std::vector<
         }
         gl::takeErrors();
         cell.run->forget();
-        done(std::move(cell.row), {});
+        done(cell.index, std::move(cell.row), {});
         return false;
     };
 
     std::vector<Cell> cells;
     for (std::size_t r = 0; r < runs.size(); ++r) {
         SettingRun* const run = runs[r];
-        Cell cell{.run = run, .index = r, .row = {}, .build = {}, .shade = {}, .total = {}};
+        Cell cell;
+        cell.run = run;
+        cell.index = r;
         cell.row.scene = frame.scene.id;
         cell.row.frame = frame.index;
         cell.row.method = run->setting().method;
@@ -106,12 +128,13 @@ void runCells(const Frame& frame, const CellOptions& options, const std::vector<
         cell.row.height = frame.height();
         if (guarded(cell, [&] {
                 const auto method = run->setting().make();
-                const Plan plan =
-                    planFor(options.effects, options.calledFor, method->traits().simulates);
+                const Plan plan = planFor(run->effects().value_or(options.effects),
+                                          options.calledFor, method->traits().simulates);
+                cell.frame = options.frameFor ? &options.frameFor(plan) : &frame;
                 cell.row.effectsSimulated = plan.simulated.text();
                 cell.row.effectsSkipped = plan.skipped.text();
                 cell.row.effectsMissing = plan.missing.text();
-                run->warmUp(frame, plan, options.keepMaps, target, cell.row);
+                run->warmUp(*cell.frame, plan, keepsMaps(plan, frame.index), target, cell.row);
             }))
             cells.push_back(std::move(cell));
     }
@@ -127,7 +150,7 @@ void runCells(const Frame& frame, const CellOptions& options, const std::vector<
             Cell& cell = cells[i];
             if (!cell.run || cell.measured(options)) continue;
             if (!guarded(cell, [&] {
-                    const SettingRun::Sample s = cell.run->timed(frame, target);
+                    const SettingRun::Sample s = cell.run->timed(*cell.frame, target);
                     cell.build.push_back(s.buildMs);
                     cell.shade.push_back(s.shadeMs);
                     cell.total.push_back(s.buildMs + s.shadeMs);
@@ -150,7 +173,7 @@ void runCells(const Frame& frame, const CellOptions& options, const std::vector<
         if (!cell.run->kept()) cell.row.buildMs = median(cell.build);
         cell.row.shadeMs = median(cell.shade);
         const std::vector<float>& visibility = cell.run->visibility();
-        done(std::move(cell.row), visibility);
+        done(cell.index, std::move(cell.row), visibility);
     }
 }
 

@@ -4,8 +4,6 @@
 #include <tbb/parallel_for_each.h>
 
 #include <chrono>
-#include <cstdlib>
-#include <fstream>
 #include <map>
 #include <set>
 
@@ -14,15 +12,18 @@
 #include "harness/reference/exact.hpp"
 #include "harness/report/report.hpp"
 #include "harness/run/cells.hpp"
+#include "harness/run/csv.hpp"
 #include "harness/run/files.hpp"
 #include "harness/run/fill_flicker.hpp"
 #include "harness/run/progress.hpp"
 #include "harness/run/provenance.hpp"
 #include "harness/run/run_folder.hpp"
 #include "harness/run/run_record.hpp"
+#include "harness/run/scene_stage.hpp"
 #include "harness/run/separation.hpp"
 #include "harness/run/suite.hpp"
 #include "harness/run/thread_limit.hpp"
+#include "harness/study/effects_table.hpp"
 #include "harness/study/paired_report.hpp"
 
 namespace penumbra {
@@ -60,6 +61,7 @@ class PhaseClock {
 
 struct LoadedScenes {
     std::vector<std::shared_ptr<const Scene>> scenes;
+    std::map<std::string, double> milliseconds;  ///< that reading them took, by id
     std::vector<std::pair<std::string, std::string>> skipped;
 };
 
@@ -74,7 +76,11 @@ LoadedScenes loadScenes(const CompareOptions& options) {
     std::map<std::string, std::filesystem::path> sources;
     for (const std::string& name : wanted) {
         try {
-            const auto scene = loadScene(name, library);
+            const auto start = std::chrono::steady_clock::now();
+            const auto scene = loadScene(name, library, options.load);
+            const std::chrono::duration<double, std::milli> took =
+                std::chrono::steady_clock::now() - start;
+            loaded.milliseconds.emplace(scene->id, took.count());
             const auto [at, isNew] = sources.emplace(scene->id, scene->source);
             if (!isNew && at->second != scene->source)
                 throw InputError(fmt::format("two scenes are called '{}': {} and {}", scene->id,
@@ -91,6 +97,17 @@ LoadedScenes loadScenes(const CompareOptions& options) {
         throw InputError("nothing to render: " +
                          (loaded.skipped.empty() ? "no scene" : loaded.skipped.front().second));
     return loaded;
+}
+
+void requireEffectsTable(const CompareOptions& options) {
+    if (!options.effects.automatic)
+        throw InputError(
+            "--effects-table: compares plans with that of auto; --effects cannot be combined with "
+            "it");
+    if (!options.paired.empty() || options.resume || options.shards > 1)
+        throw InputError(
+            "--effects-table: plans are timed in one go; --paired, --resume and --shard cannot be "
+            "combined with it");
 }
 
 /// A and B of `--paired`, or one where they are the same.
@@ -112,6 +129,15 @@ std::vector<Setting> pairedSettings(const CompareOptions& options) {
         if (settings.empty() || settings.front().name != setting.name)
             settings.push_back(std::move(setting));
     }
+    return settings;
+}
+
+std::vector<Setting> settingsOf(const CompareOptions& options) {
+    if (!options.paired.empty()) return pairedSettings(options);
+    if (!options.again) return expandSettings(options.settings);
+    std::vector<Setting> settings;
+    for (const std::string& text : options.again->settings)
+        settings.push_back(parseSetting("setting", text));
     return settings;
 }
 
@@ -143,9 +169,8 @@ class Run {
     std::size_t countFrames() const;
     void writeRecord(bool finished);
     void runScene(std::size_t sceneIndex);
-    bool keepsMaps(const Scene& scene, int index, const SceneFrame& now, const Tracer& tracer,
-                   const LightBounds& bounds) const;
-    void runFrame(const Scene& scene, const Frame& frame, bool keepMaps, const Pending& pending);
+    void recordEffects(SceneStage& stage, double loadMs);
+    void runFrame(SceneStage& stage, const Pending& pending);
     using Finished = std::vector<std::pair<Row, std::vector<float>>>;
     Finished pairedCells(const Frame& frame, const CellOptions& options,
                          const TextureTarget& target);
@@ -166,6 +191,7 @@ class Run {
     std::set<std::string> done_;  ///< Row::key of finished cells
     std::unique_ptr<CsvAppender> csv_;
     std::vector<PairedFrame> pairs_;
+    std::vector<EffectsCell> effectsCells_;
     std::size_t framesDone_ = 0, cellsBefore_ = 0;
     int failed_ = 0;
 
@@ -198,7 +224,12 @@ void Run::openFolder() {
     record_.seed = options_.seed;
     record_.reference = options_.reference;
     record_.referenceSe = options_.referenceSe;
-    record_.effects = options_.effects.automatic ? "auto" : options_.effects.forced.text();
+    record_.assetScene = options_.load.assetScene;
+    record_.camera = options_.load.camera;
+    record_.cache = options_.cache.string();
+    record_.effects = options_.effects.automatic    ? "auto"
+                      : options_.effects.everyPixel ? "all"
+                                                    : options_.effects.forced.text();
     record_.provenance = provenance_.pairs();
     record_.skippedScenes = loaded_.skipped;
     for (const auto& scene : loaded_.scenes)
@@ -216,13 +247,16 @@ void Run::openFolder() {
         const RunRecord before = RunRecord::read(folder_.record());
         if (before.width != record_.width || before.height != record_.height ||
             before.seed != record_.seed || before.reference != record_.reference ||
-            before.referenceSe != record_.referenceSe || before.effects != record_.effects)
-            throw InputError(
-                fmt::format("--resume {}: the run there has --size {}x{} --seed {} --reference {} "
-                            "--reference-se {} --effects '{}'; a resumed run must have the same",
-                            folder_.root().string(), before.width, before.height, before.seed,
-                            before.reference, before.referenceSe, before.effects));
+            before.referenceSe != record_.referenceSe || before.effects != record_.effects ||
+            before.assetScene != record_.assetScene || before.camera != record_.camera)
+            throw InputError(fmt::format(
+                "--resume {}: the run there has --size {}x{} --seed {} --reference {} "
+                "--reference-se {} --effects '{}' --asset-scene '{}' --camera '{}'; a "
+                "resumed run must have the same",
+                folder_.root().string(), before.width, before.height, before.seed, before.reference,
+                before.referenceSe, before.effects, before.assetScene, before.camera));
         record_.references = before.references;
+        record_.analysis = before.analysis;
         removeTornFiles(folder_.root());
         // Failed cells are tried again, so their rows go; the file is replaced in one step.
         std::string kept = csvHeader() + "\n";
@@ -254,10 +288,7 @@ int Run::cells() {
     clock_.measure("images", [&] { writeArtefacts(folder_); });
     writeRecord(true);
     writeSummary(folder_);
-    if (const char* step = std::getenv("GITHUB_STEP_SUMMARY"); step && *step) {
-        std::ifstream summary(folder_.summary());
-        std::ofstream(step, std::ios::app) << summary.rdbuf();
-    }
+    if (!options_.again) appendToStepSummary(readTextFile(folder_.summary()));
     return failed_ ? 3 : 0;
 }
 
@@ -266,10 +297,7 @@ void Run::runScene(std::size_t sceneIndex) {
     for (const std::string& choice : scene.chosen)
         progress_.note(fmt::format("{}: {}", scene.id, choice));
     std::vector<SettingRun> runs(settings_.begin(), settings_.end());
-    std::shared_ptr<const Geometry> tracedGeometry;
-    std::unique_ptr<Tracer> tracer;
-    const GpuMaterials materials(scene.materials, scene.images);
-    std::unique_ptr<GpuGeometry> gpuGeometry;
+    std::unique_ptr<SceneStage> stage;  // made for the first frame that has something to do
 
     for (int index = 0; index < scene.frameCount(); ++index, ++framesDone_) {
         Pending pending;
@@ -279,6 +307,7 @@ void Run::runScene(std::size_t sceneIndex) {
             cell.frame = index;
             cell.setting = run.setting().name;
             if (!mine(cellsBefore_++) || done_.contains(cell.key())) continue;
+            if (options_.again && !options_.again->keys.contains(cell.key())) continue;
             if (run.setting().isSeparation())
                 pending.separation = true;
             else
@@ -287,73 +316,64 @@ void Run::runScene(std::size_t sceneIndex) {
         if (pending.methods.empty() && !pending.separation) continue;
         progress_.step(framesDone_, fmt::format("{} frame {}", scene.id, index));
 
-        SceneFrame sceneFrame;
-        GBuffer gbuffer;
-        GBufferTextures textures;
-        LightBounds bounds;
-        bool keepMaps = false;
         clock_.measure("frames", [&] {
-            sceneFrame = scene.frame(index);
-            if (sceneFrame.geometry != tracedGeometry) {
-                tracer =
-                    std::make_unique<Tracer>(sceneFrame.geometry, scene.materials, scene.images);
-                gpuGeometry = std::make_unique<GpuGeometry>(sceneFrame.geometry, materials);
-                tracedGeometry = sceneFrame.geometry;
-            }
-            gbuffer = renderGBuffer(*tracer, sceneFrame, scene, options_.width, options_.height);
-            textures = uploadGBuffer(gbuffer);
-            bounds = boundLight(sceneFrame.light, gbuffer, *sceneFrame.geometry);
-            keepMaps = keepsMaps(scene, index, sceneFrame, *tracer, bounds);
+            if (!stage)
+                stage = std::make_unique<SceneStage>(scene, options_.width, options_.height,
+                                                     options_.seed);
+            const auto start = std::chrono::steady_clock::now();
+            stage->enter(index);
+            const std::chrono::duration<double, std::milli> took =
+                std::chrono::steady_clock::now() - start;
+            recordEffects(*stage,
+                          took.count() + (index == 0 ? loaded_.milliseconds.at(scene.id) : 0.0));
         });
-        const Frame frame{scene,
-                          index,
-                          sceneFrame.light,
-                          bounds,
-                          sceneFrame.camera,
-                          sceneFrame.geometry,
-                          *tracer,
-                          gbuffer,
-                          textures,
-                          *gpuGeometry,
-                          options_.seed};
-        runFrame(scene, frame, keepMaps, pending);
+        runFrame(*stage, pending);
         writeRecord(false);
     }
 }
 
-/// Whether light space at frame `index` is as it was one frame before.
-bool Run::keepsMaps(const Scene& scene, int index, const SceneFrame& now, const Tracer& tracer,
-                    const LightBounds& bounds) const {
-    if (index == 0) return false;
-    const SceneFrame before = scene.frame(index - 1);
-    if (before.geometry != now.geometry || before.light != now.light) return false;
-    if (before.camera == now.camera) return true;
-    // Light views are fitted to what the camera sees.
-    const GBuffer seen = renderGBuffer(tracer, before, scene, options_.width, options_.height);
-    return boundLight(before.light, seen, *before.geometry) == bounds;
+void Run::recordEffects(SceneStage& stage, double loadMs) {
+    EffectsRecord record;
+    record.scene = stage.frame().scene.id;
+    record.frame = stage.frame().index;
+    record.findings = stage.analysis().findings;
+    record.loadMs = loadMs;
+    record.analysisMs = stage.analysisMs();
+    std::erase_if(record_.analysis, [&](const EffectsRecord& r) {
+        return r.scene == record.scene && r.frame == record.frame;
+    });
+    record_.analysis.push_back(std::move(record));
 }
 
-void Run::runFrame(const Scene& scene, const Frame& frame, bool keepMaps, const Pending& pending) {
+void Run::runFrame(SceneStage& stage, const Pending& pending) {
+    const Frame& frame = stage.frame();
+    const Scene& scene = frame.scene;
     const Reference reference =
         clock_.measure("reference", [&] { return referenceFor(scene, frame); });
     clock_.measure("images", [&] {
         folder_.writeTruth(scene.id, frame.index, frame.gbuffer, reference, scene.origin);
     });
-    const SceneFrame sceneFrame{0.0, frame.geometry, frame.light, frame.camera};
     const TextureTarget target(frame.width(), frame.height());
-    CellOptions cellOptions{options_.effects, effectsCalledFor(scene, sceneFrame), keepMaps,
-                            options_.repeats};
+    CellOptions cellOptions;
+    cellOptions.effects = options_.effects;
+    cellOptions.calledFor = stage.analysis().calledFor();
+    cellOptions.frameFor = [&](const Plan& plan) -> const Frame& { return stage.frameFor(plan); };
+    cellOptions.repeats = options_.repeats;
     if (options_.paired.empty()) cellOptions.enoughMs = kEnoughMs;  // a pair has two halves
     Finished finished;
+    std::vector<VariantImage> variants;
+    const auto keep = [&](std::size_t, Row&& row, const std::vector<float>& visibility) {
+        finished.emplace_back(std::move(row), visibility);
+    };
     clock_.measure("methods", [&] {
         if (!options_.paired.empty()) {
             finished = pairedCells(frame, cellOptions, target);
             return;
         }
-        runCells(frame, cellOptions, pending.methods, target,
-                 [&](Row&& row, const std::vector<float>& visibility) {
-                     finished.emplace_back(std::move(row), visibility);
-                 });
+        if (options_.effectsTable)
+            variants = runVariants(frame, cellOptions, pending.methods, target, keep);
+        else
+            runCells(frame, cellOptions, pending.methods, target, keep);
     });
     if (pending.separation)
         finished.emplace_back(separationRow(frame), separationImage(reference, frame.gbuffer));
@@ -365,7 +385,13 @@ void Run::runFrame(const Scene& scene, const Frame& frame, bool keepMaps, const 
             // The separation's image has the reference's noise in it: errors of the two cancel.
             if (isSeparation(row)) row.metrics.rmseCorrected.reset();
         });
+        tbb::parallel_for_each(variants, [&](VariantImage& variant) {
+            if (!variant.visibility.empty())
+                variant.cell.rmse = scorer.score(variant.visibility).rmse;
+        });
     });
+    for (VariantImage& variant : variants) effectsCells_.push_back(std::move(variant.cell));
+    if (options_.effectsTable) writeEffectsCsv(folder_.effectsCsv(), effectsCells_);
     clock_.measure("images", [&] {
         tbb::parallel_for_each(finished, [&](const auto& cell) {
             const auto& [row, visibility] = cell;
@@ -424,9 +450,9 @@ int compare(const CompareOptions& options) {
     if (options.resume && options.out.empty())
         throw InputError("--resume: name the run folder to continue with --out");
     requireCostMetric(options.curveMetric);
+    if (options.effectsTable) requireEffectsTable(options);
     const auto start = std::chrono::steady_clock::now();
-    std::vector<Setting> settings =
-        options.paired.empty() ? expandSettings(options.settings) : pairedSettings(options);
+    std::vector<Setting> settings = settingsOf(options);
     LoadedScenes loaded = loadScenes(options);
     const double loadSeconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -444,11 +470,13 @@ int compare(const CompareOptions& options) {
     });
     run.openFolder();
     const int code = run.cells();
+    if (options.effectsTable) fmt::print("{}", readTextFile(folder.effectsTable()));
     if (!options.paired.empty())
         for (const PairedFinding& f :
              pairedFindings(readPairedCsv(folder.paired()), readCsv(folder.results())))
             fmt::print("{}: {}\n", f.scene, f.sentence());
-    fmt::print("{}\n", std::filesystem::absolute(folder.root()).lexically_normal().string());
+    if (!options.again)
+        fmt::print("{}\n", std::filesystem::absolute(folder.root()).lexically_normal().string());
     return code;
 }
 

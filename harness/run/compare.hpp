@@ -1,6 +1,8 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -11,6 +13,12 @@
 
 namespace penumbra {
 
+/// Cells of an earlier run that are done again, and nothing else.
+struct CellChoice {
+    std::vector<std::string> settings;  ///< as parseSetting reads them
+    std::set<std::string> keys;         ///< Row::key
+};
+
 /// What `penumbra compare` was asked for.
 struct CompareOptions : TruthOptions {
     std::string suite;                ///< id; empty with no scene: "standard"
@@ -19,6 +27,8 @@ struct CompareOptions : TruthOptions {
     /// Two settings as parseSetting reads them, to be timed in pairs; empty: those of `settings`.
     std::vector<std::string> paired;
     EffectChoice effects;
+    /// Every setting is also timed under the plans of harness/study/effects_table.hpp.
+    bool effectsTable = false;
     int repeats = 5;                   ///< pairs, where `paired` is given
     std::string curveMetric = "rmse";  ///< on the error axis of curves
     gl::ContextKind context = gl::ContextKind::osmesa;
@@ -26,10 +36,13 @@ struct CompareOptions : TruthOptions {
     bool resume = false;
     int shard = 1, shards = 1;  ///< this process does every `shards`-th cell from the `shard`-th on
     std::string command;        ///< as typed, for the record
+    /// Instead of `settings`; such a run says nothing on standard output or in CI's step summary.
+    std::optional<CellChoice> again{};
 };
 
 /// Runs all cells and writes the run folder; with `paired` also paired.csv, and tells on standard
-/// output what A is against B on every scene and overall. Returns 0, or 3 when some cells failed.
+/// output what A is against B on every scene and overall; with `effectsTable` also effects.csv and
+/// effects.md, which it prints. Returns 0, or 3 when some cells failed.
 /// Throws InputError for bad input before anything is written.
 int compare(const CompareOptions& options);
 

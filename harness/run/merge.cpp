@@ -47,6 +47,7 @@ int mergeRuns(const std::filesystem::path& out, const std::vector<std::filesyste
         if (&run == &runs.front()) {
             record = part;
             record.references.clear();
+            record.analysis.clear();
             record.phases.clear();
         }
         if (part.width != record.width || part.height != record.height ||
@@ -70,6 +71,11 @@ int mergeRuns(const std::filesystem::path& out, const std::vector<std::filesyste
                     return s.scene == stats.scene && s.frame == stats.frame;
                 }))
                 record.references.push_back(stats);
+        for (const EffectsRecord& effects : part.analysis)
+            if (std::ranges::none_of(record.analysis, [&](const EffectsRecord& e) {
+                    return e.scene == effects.scene && e.frame == effects.frame;
+                }))
+                record.analysis.push_back(effects);
         addPhases(record.phases, part.phases);
         record.finished = record.finished && part.finished;
     }

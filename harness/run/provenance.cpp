@@ -1,7 +1,10 @@
 #include "harness/run/provenance.hpp"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <cstdio>
+#include <cstdlib>
 #include <ctime>
 #include <fstream>
 #include <memory>
@@ -84,6 +87,14 @@ Provenance gatherProvenance(int threads) {
     p.started = utcNow("%Y-%m-%dT%H:%M:%SZ");
     p.threads = threads;
     return p;
+}
+
+std::string userName() {
+    const std::string name = firstLine("git config user.name 2>/dev/null");
+    const std::string mail = firstLine("git config user.email 2>/dev/null");
+    if (!name.empty()) return mail.empty() ? name : fmt::format("{} <{}>", name, mail);
+    const char* login = std::getenv("USER");
+    return login && *login ? login : "unknown";
 }
 
 std::filesystem::path resultsFolder() {

@@ -34,6 +34,9 @@ inline constexpr const char* kExternalRenderer = "external";
 /// Where the numbers of a run come from that renders nothing itself: kExternalRenderer, no OpenGL.
 Provenance gatherProvenance(int threads);
 
+/// Who works here: git's user.name and user.email, else the login name, else "unknown".
+std::string userName();
+
 /// The `results` folder of the source tree this program was built from.
 std::filesystem::path resultsFolder();
 

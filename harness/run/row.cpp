@@ -6,8 +6,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <charconv>
+#include <cmath>
 #include <cstring>
 #include <functional>
 #include <map>
@@ -189,6 +191,27 @@ Row parseRow(const CsvRecord& record, const std::vector<std::string>& header,
     return row;
 }
 
+/// Numbers that may be below 0; every other column counts, measures or is a fraction.
+constexpr std::array<std::string_view, 4> kSigned = {"bias", "ssim", "penumbra_width_error",
+                                                     "penumbra_shift"};
+
+/// Refuses what parses but no run writes; `at` is file:line.
+void refuseImpossible(const Row& row, const std::string& at) {
+    if (row.status != "ok" && row.status != "failed" && row.status != "unsupported")
+        throw InputError(fmt::format("{}: column status: '{}'; valid are ok, failed, unsupported",
+                                     at, row.status));
+    for (const Column& c : columns()) {
+        if (c.text) continue;
+        const std::string field = c.write(row);
+        double value = 0.0;
+        if (field.empty() || !parseNumber(field, value)) continue;
+        if (!std::isfinite(value))
+            throw InputError(fmt::format("{}: column {}: '{}' is not finite", at, c.name, field));
+        if (value < 0.0 && std::ranges::find(kSigned, c.name) == kSigned.end())
+            throw InputError(fmt::format("{}: column {}: '{}' is below 0", at, c.name, field));
+    }
+}
+
 [[noreturn]] void throwErrno(const std::filesystem::path& path, const char* what) {
     throw std::runtime_error(fmt::format("{}: {}: {}", path.string(), what, std::strerror(errno)));
 }
@@ -274,6 +297,53 @@ std::vector<Row> readCsv(const std::filesystem::path& path) {
         rows.push_back(parseRow(records.complete[i], header, file));
     }
     return rows;
+}
+
+ResultsTable readResultsTable(const std::filesystem::path& path) {
+    const std::string file = path.string();
+    const std::string text = readTextFile(path);
+    const CsvRecords records = splitCsv(text, file);
+    if (records.complete.empty()) throw InputError(file + ":1: no header line");
+    if (records.completeBytes != text.size()) {
+        const auto cut = text.begin() + static_cast<std::ptrdiff_t>(records.completeBytes);
+        throw InputError(fmt::format("{}:{}: the file is cut short within this line", file,
+                                     1 + std::count(text.begin(), cut, '\n')));
+    }
+    const std::vector<std::string>& header = records.complete.front().fields;
+    const auto times = [&](std::string_view name) {
+        return std::count(header.begin(), header.end(), name);
+    };
+    ResultsTable table;
+    for (const std::string& name : header)
+        if (times(name) > 1)
+            throw InputError(
+                fmt::format("{}:1: column {} occurs {} times", file, name, times(name)));
+    for (const Column& c : columns())
+        if (times(c.name) == 0) table.absent.emplace_back(c.name);
+    for (const char* needed : {"scene", "frame", "method", "setting", "status"})
+        if (times(needed) == 0)
+            throw InputError(fmt::format("{}:1: column {} is missing; the columns are {}", file,
+                                         needed, csvHeader()));
+
+    std::map<std::string, std::size_t> lineOf;
+    for (std::size_t i = 1; i < records.complete.size(); ++i) {
+        const CsvRecord& record = records.complete[i];
+        const std::string at = fmt::format("{}:{}", file, record.line);
+        Row row = parseRow(record, header, file);
+        refuseImpossible(row, at);
+        const auto [first, isNew] = lineOf.emplace(row.key(), record.line);
+        if (!isNew)
+            throw InputError(
+                fmt::format("{}: scene {} frame {} setting {} has a row in line {} "
+                            "already",
+                            at, row.scene, row.frame, row.setting, first->second));
+        table.rows.push_back(std::move(row));
+        table.lines.push_back(record.line);
+        for (std::size_t column = 0; column < header.size(); ++column)
+            if (std::ranges::find(columns(), header[column], &Column::name) == columns().end())
+                table.unknown[header[column]].push_back(record.fields[column]);
+    }
+    return table;
 }
 
 CsvAppender::CsvAppender(const std::filesystem::path& path) {

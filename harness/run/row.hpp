@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -50,6 +51,21 @@ std::string toJson(const Row& row);
 /// Reads results.csv. A last line cut short by a kill is dropped; any other malformed line throws
 /// InputError with file:line. Unknown further columns are ignored, missing ones throw.
 std::vector<Row> readCsv(const std::filesystem::path& path);
+
+/// A results.csv that may be of another version or edited by hand, read by column names.
+struct ResultsTable {
+    std::vector<Row> rows;
+    std::vector<std::size_t> lines;   ///< of the file, from 1, where each row starts
+    std::vector<std::string> absent;  ///< this version's columns that the file lacks, in order
+    /// Columns that this version does not know, each with its field of every row.
+    std::map<std::string, std::vector<std::string>> unknown;
+};
+
+/// Trusts nothing where readCsv is lenient to a run that was killed: a last line cut short, two
+/// rows of one cell, a status that there is not, a number that is not finite or below 0 where it
+/// cannot be throw InputError with file:line, as a missing scene, frame, method, setting or status
+/// does.
+ResultsTable readResultsTable(const std::filesystem::path& path);
 
 /// Appends rows to a results.csv so that each is on disk when add() returns.
 class CsvAppender {

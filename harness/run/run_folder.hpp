@@ -25,9 +25,19 @@ class RunFolder {
     std::filesystem::path results() const { return root_ / "results.csv"; }
     /// Only in a run of `compare --paired`.
     std::filesystem::path paired() const { return root_ / "paired.csv"; }
+    /// Only in a run of `compare --effects-table`.
+    std::filesystem::path effectsCsv() const { return root_ / "effects.csv"; }
+    std::filesystem::path effectsTable() const { return root_ / "effects.md"; }
     /// Only where `stress --out` was pointed here: a section of summary().
     std::filesystem::path stress() const { return root_ / "stress.md"; }
+    /// Only where `check` judged the run: a section of summary().
+    std::filesystem::path gate() const { return root_ / "gate.md"; }
+    std::filesystem::path junit() const { return root_ / "junit.xml"; }
+    std::filesystem::path benchmark() const { return root_ / "benchmark.json"; }
+    /// Run folder of the cells that `check` measured again.
+    std::filesystem::path remeasured() const { return root_ / "remeasured"; }
     std::filesystem::path summary() const { return root_ / "summary.md"; }
+    std::filesystem::path page() const { return root_ / "report.html"; }
     std::filesystem::path grid(const std::string& scene) const {
         return root_ / "grid" / (scene + ".png");
     }

@@ -26,6 +26,34 @@ std::vector<std::pair<std::string, std::string>> pairsFromJson(const Json& objec
     return pairs;
 }
 
+Json effectsToJson(const EffectsRecord& record) {
+    Json effects = Json::object();
+    for (const EffectInfo& info : allEffects()) {
+        const EffectFinding& finding = record.findings[info.effect];
+        effects[std::string(info.id)] = {{"called_for", finding.calledFor},
+                                         {"evidence", finding.evidence}};
+    }
+    return {{"scene", record.scene},
+            {"frame", record.frame},
+            {"load_ms", record.loadMs},
+            {"analysis_ms", record.analysisMs},
+            {"effects", effects}};
+}
+
+EffectsRecord effectsFromJson(const Json& object) {
+    EffectsRecord record;
+    object.at("scene").get_to(record.scene);
+    object.at("frame").get_to(record.frame);
+    object.at("load_ms").get_to(record.loadMs);
+    object.at("analysis_ms").get_to(record.analysisMs);
+    for (const EffectInfo& info : allEffects()) {
+        const Json& finding = object.at("effects").at(std::string(info.id));
+        record.findings[info.effect] = {finding.at("called_for").get<bool>(),
+                                        finding.at("evidence").get<std::string>()};
+    }
+    return record;
+}
+
 }  // namespace
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RunRecord::SceneEntry, id, shows, figure, source, frames, chosen)
@@ -38,6 +66,12 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(ReferenceStats, scene, frame, ra
                                                 checked)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PhaseTime, name, seconds)
 
+std::string RunRecord::provenanceOf(std::string_view name) const {
+    for (const auto& [key, value] : provenance)
+        if (key == name) return value;
+    return "";
+}
+
 void RunRecord::write(const std::filesystem::path& path) const {
     Json j;
     j["command"] = command;
@@ -49,6 +83,9 @@ void RunRecord::write(const std::filesystem::path& path) const {
     j["reference"] = reference;
     j["reference_se"] = referenceSe;
     j["effects"] = effects;
+    j["cache"] = cache;
+    j["asset_scene"] = assetScene;
+    j["camera"] = camera;
     j["provenance"] = pairsToJson(provenance);
     j["clock_self_test"] = {{"fenced_ms", fencedClockMs},
                             {"timer_query_ms", queryClockMs},
@@ -59,6 +96,8 @@ void RunRecord::write(const std::filesystem::path& path) const {
     j["scenes"] = nlohmann::json(scenes);
     j["settings"] = nlohmann::json(settings);
     j["references"] = nlohmann::json(references);
+    j["analysis"] = Json::array();
+    for (const EffectsRecord& record : analysis) j["analysis"].push_back(effectsToJson(record));
     j["phases"] = nlohmann::json(phases);
     j["skipped_scenes"] = pairsToJson(skippedScenes);
     // A path in the command may be no UTF-8.
@@ -80,6 +119,9 @@ RunRecord RunRecord::read(const std::filesystem::path& path) {
         j.at("reference").get_to(r.reference);
         j.at("reference_se").get_to(r.referenceSe);
         j.at("effects").get_to(r.effects);
+        j.at("cache").get_to(r.cache);
+        j.at("asset_scene").get_to(r.assetScene);
+        j.at("camera").get_to(r.camera);
         r.provenance = pairsFromJson(j.at("provenance"));
         const Json& clock = j.at("clock_self_test");
         clock.at("fenced_ms").get_to(r.fencedClockMs);
@@ -93,6 +135,7 @@ RunRecord RunRecord::read(const std::filesystem::path& path) {
         lists.at("scenes").get_to(r.scenes);
         lists.at("settings").get_to(r.settings);
         lists.at("references").get_to(r.references);
+        for (const Json& record : j.at("analysis")) r.analysis.push_back(effectsFromJson(record));
         lists.at("phases").get_to(r.phases);
         r.skippedScenes = pairsFromJson(j.at("skipped_scenes"));
         return r;

@@ -10,17 +10,20 @@ StagedFrame::StagedFrame(std::shared_ptr<const Scene> scene, int index, int widt
       textures(uploadGBuffer(traced.gbuffer)),
       materials(traced.scene->materials, traced.scene->images),
       geometry(traced.frame.geometry, materials),
+      bounds(boundLight(traced.frame.light, traced.gbuffer, *traced.frame.geometry)),
+      analysis(
+          analyseFrame(*traced.scene, *traced.tracer, traced.frame.light, traced.gbuffer, bounds)),
       frame{*traced.scene,
             index,
             traced.frame.light,
-            boundLight(traced.frame.light, traced.gbuffer, *traced.frame.geometry),
+            bounds,
             traced.frame.camera,
             traced.frame.geometry,
             *traced.tracer,
             traced.gbuffer,
             textures,
             geometry,
-            seed},
-      calledFor(effectsCalledFor(*traced.scene, traced.frame)) {}
+            analysis.casterFacts,
+            seed} {}
 
 }  // namespace penumbra

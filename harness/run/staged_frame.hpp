@@ -3,15 +3,15 @@
 #include <cstdint>
 #include <memory>
 
-#include "core/effects/effects.hpp"
+#include "core/analysis/frame_analysis.hpp"
 #include "core/frame/frame.hpp"
 #include "core/frame/gpu_geometry.hpp"
 #include "harness/run/truth.hpp"
 
 namespace penumbra {
 
-/// One frame of a scene on the GPU, for whoever measures without writing a run folder. Needs a
-/// context; `frame` refers to the other members.
+/// One frame of a scene by itself on the GPU, for whoever measures without writing a run folder.
+/// Needs a context; `frame` refers to the other members.
 struct StagedFrame {
     StagedFrame(std::shared_ptr<const Scene> scene, int index, int width, int height,
                 std::uint32_t seed);
@@ -22,8 +22,9 @@ struct StagedFrame {
     GBufferTextures textures;
     GpuMaterials materials;
     GpuGeometry geometry;
+    LightBounds bounds;
+    FrameAnalysis analysis;
     Frame frame;
-    EffectSet calledFor;
 };
 
 }  // namespace penumbra

@@ -85,7 +85,7 @@ std::shared_ptr<const Scene> loadForFrame(const std::string& name, int index,
                                           const TruthOptions& options) {
     std::shared_ptr<const Scene> scene;
     try {
-        scene = loadScene(name, SceneLibrary::standard());
+        scene = loadScene(name, SceneLibrary::standard(), options.load);
     } catch (const AssetAbsent& e) {
         throw InputError(e.what());
     }

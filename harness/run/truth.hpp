@@ -22,6 +22,7 @@ struct TruthOptions {
     std::string reference = "embree";
     double referenceSe = 1.0 / 1024;
     std::filesystem::path cache;  ///< empty: the user's cache folder
+    LoadOptions load;
 
     int threadCount() const;
 };

@@ -28,12 +28,9 @@ PairedResult measurePaired(const Frame& frame, CellOptions options, const Settin
         PairSample& pair = result.pairs.back();
         (isA ? pair.aMs : pair.bMs) = sample.buildMs + sample.shadeMs;
     };
-    // Rows come without saying whose they are; of two equal settings either may be A.
-    bool haveA = false;
     runCells(frame, options, {&runA, &runB}, target,
-             [&](Row&& row, const std::vector<float>& visibility) {
-                 const bool isA = !haveA && row.setting == a.name;
-                 haveA |= isA;
+             [&](std::size_t run, Row&& row, const std::vector<float>& visibility) {
+                 const bool isA = run == 0;
                  (isA ? result.a : result.b) = std::move(row);
                  (isA ? result.visibilityA : result.visibilityB) = visibility;
              });

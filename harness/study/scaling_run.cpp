@@ -293,7 +293,7 @@ std::vector<std::shared_ptr<const Scene>> scenesOf(const CompareOptions& o) {
     std::vector<std::shared_ptr<const Scene>> scenes;
     for (const std::string& name : names) {
         try {
-            scenes.push_back(loadScene(name, library));
+            scenes.push_back(loadScene(name, library, o.load));
         } catch (const AssetAbsent& e) {
             fmt::print(stderr, "{}\n", e.what());
         }

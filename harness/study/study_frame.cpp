@@ -19,7 +19,8 @@ Row StudyFrame::warmUp(SettingRun& run, const EffectChoice& effects) const {
     row.width = frame.width();
     row.height = frame.height();
     const EffectSet canSimulate = run.setting().make()->traits().simulates;
-    run.warmUp(frame, planFor(effects, staged_.calledFor, canSimulate), false, target_, row);
+    run.warmUp(frame, planFor(effects, staged_.analysis.calledFor(), canSimulate), false, target_,
+               row);
     return row;
 }
 

@@ -94,13 +94,12 @@ std::vector<Row> TuningStage::measureAnew(const std::vector<Setting>& settings, 
     for (SettingRun& run : runs) pointers.push_back(&run);
     std::vector<Row> rows(settings.size());
     CellOptions options;
-    options.calledFor = staged_.calledFor;
+    options.calledFor = staged_.analysis.calledFor();
     options.repeats = repeats;
     runCells(staged_.frame, options, pointers, target_,
-             [&](Row&& row, const std::vector<float>& visibility) {
+             [&](std::size_t run, Row&& row, const std::vector<float>& visibility) {
                  if (row.status == "ok") row.metrics = scorer_.score(visibility);
-                 const auto at = std::ranges::find(settings, row.setting, &Setting::name);
-                 rows[static_cast<std::size_t>(at - settings.begin())] = std::move(row);
+                 rows[run] = std::move(row);
              });
     return rows;
 }

@@ -7,7 +7,9 @@ uniform mat3 tileAxes[kMaxTiles];      // world to light: rows x, y, z
 uniform vec4 tileTangents[kMaxTiles];  // tangentLo, 1 / tangentSize
 uniform float tileNear[kMaxTiles];     // metres
 uniform int mapSize;                   // texels across
+#ifndef NO_BIAS  // defined where no caster comes near a receiver
 uniform float biasTexels;              // constant bias, texel footprints towards the light
+#endif
 layout(binding = 0) uniform sampler2DArray shadowMap;
 
 // A receiver in its tile: where it is, how deep, and how its own plane runs there.
@@ -42,7 +44,11 @@ LightPoint lightPoint(vec3 position, vec3 normal) {
     vec3 n = tileAxes[point.tile] * normal;
     float k = dot(n, l);
     point.gradient = k < 0.0 ? near * n.xy / (k * tangents.zw) : vec2(0.0);
+#ifdef NO_BIAS
+    point.biasScale = 1.0;
+#else
     point.biasScale = 1.0 + biasTexels / (float(mapSize) * min(tangents.z, tangents.w));
+#endif
     return point;
 }
 

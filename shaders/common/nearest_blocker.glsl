@@ -17,6 +17,7 @@ struct Receivers {
     float scale;     // LightPoint.biasScale
     vec2 extent;     // half of the widest footprint per unit of s
     float minReach;  // in s: of the widest filter that is drawn around a receiver at least
+    float pad;       // taps compare texels up to this and a half away, all with one reference
 };
 
 Receivers only(Footprint f) {
@@ -31,6 +32,7 @@ Receivers only(Footprint f) {
     r.scale = f.scale;
     r.extent = abs(f.u) + abs(f.v);
     r.minReach = f.minReach;
+    r.pad = 0.0;
     return r;
 }
 
@@ -38,35 +40,44 @@ struct Blockers {
     float nearest;  // greatest s of a caster that may hide part of the light; 0: none may
     bool dark;      // all texels within reach of any of the receivers block it
     vec2 lo, hi;    // texels: none within reach that blocks is outside of this box
+    float least;    // s of the farthest texel, whether it blocks or not
 };
 
 // Casters within `reach` of s around the receivers. Windows of the pyramid, 2^finer times as many
 // along each side as there need be, are passed over that hold nothing above the receivers' planes,
 // by the comparison that a tap makes, or whose nearest caster is too far from the light to reach
-// out to them.
+// out to them. With BOX nothing counts that is not above the very planes, as a filter of depths
+// wants it, where a comparison also passes what is behind the receiver itself.
 Blockers nearestBlocker(Receivers r, float reach, int finer) {
-    vec2 around = reach * r.extent;
+    vec2 around = reach * r.extent + r.pad;
     Windows windows = windowsOver(r.centre - r.halfBox - around, r.centre + r.halfBox + around,
                                   mapSize, finer);
     float error = r.planeError + dot(r.slopeError, around + 0.5);
     vec2 slope = r.slope * r.scale;
     float least = r.minS * r.scale, most = r.maxS * r.scale;
     float planeLeast = (r.planeS - error) * r.scale, planeMost = (r.planeS + error) * r.scale;
-    Blockers blockers = Blockers(0.0, true, vec2(1e30), vec2(-1e30));
+    Blockers blockers = Blockers(0.0, true, vec2(1e30), vec2(-1e30), 1e30);
     // One loop, for two cost software renderers more; its way out is at the end, and no branch in it.
     ivec2 at = ivec2(0);
     while (true) {
         Window w = windowAt(windows, at, r.tile);
         vec2 away = w.centre - r.centre;
         float rise = dot(slope, away);
-        float highest = rise + w.toTexel * (abs(slope.x) + abs(slope.y));
+        float across = abs(slope.x) + abs(slope.y);  // of the slope over a texel
+        float highest = rise + (w.toTexel + 2.0 * r.pad) * across;
         vec2 tilt = abs(w.gradient - slope);
-        bool lit =
-            w.maxS <= least || w.planeS + w.toTexel * (tilt.x + tilt.y) <= planeLeast + rise;
+        bool lit = w.planeS + w.toTexel * (tilt.x + tilt.y) <= planeLeast + rise;
+#ifdef BOX
+        lit = lit || w.maxS <= max(planeLeast + rise - w.toTexel * across, 0.0);
+        bool within = true;
+#else
+        lit = lit || w.maxS <= least;
         bool within = all(lessThanEqual(abs(away) - r.halfBox - w.toTexel - 0.5,
-                                        r.extent * (w.maxS - r.minS + r.minReach)));
+                                        r.extent * (w.maxS - r.minS + r.minReach) + r.pad));
+#endif
         vec2 texels = vec2(w.toTexel + 0.5);
         blockers.dark = blockers.dark && w.minS > max(most, planeMost + highest);
+        blockers.least = min(blockers.least, w.minS);
         blockers.nearest = !lit && within ? max(blockers.nearest, w.maxS) : blockers.nearest;
         blockers.lo = lit ? blockers.lo : min(blockers.lo, w.centre - texels);
         blockers.hi = lit ? blockers.hi : max(blockers.hi, w.centre + texels);

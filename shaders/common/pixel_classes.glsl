@@ -3,7 +3,7 @@
 #include "common/receiver.glsl"
 
 const int kTilePixels = 4;
-layout(binding = 2) uniform sampler2D tileClasses;
+layout(binding = 10) uniform sampler2D tileClasses;
 
 // A tile's texel: the box of the map, lo and hi in texels, outside of which no texel blocks any of
 // the tile's receivers; or, where that is empty, the answer for all of them in z.

@@ -6,6 +6,7 @@ layout(location = 0) in vec3 position;
 layout(binding = 1) uniform sampler2D fillDepths;  // of vertices
 uniform mat4 clipFromWorld;
 uniform vec4 depthRow;  // world to depth below the light, metres
+uniform float deepestM; // below it no slice is used
 uniform int fill;       // 0 none, 1 down to fillDepths, 2 always
 out float depthM;
 flat out float fillToM;
@@ -18,6 +19,7 @@ out vec2 uv;
 void main() {
     gl_Position = clipFromWorld * vec4(position, 1.0);
     depthM = dot(depthRow, vec4(position, 1.0));
+    gl_ClipDistance[0] = deepestM - depthM;
     nearSlice = 0;
     for (int i = 1; i <= SLICES; ++i) nearSlice += int(depthM >= boundariesM[i]);
     fillToM = fill == 2 ? 3.402823466e38 : 0.0;
@@ -36,6 +38,7 @@ in float depthM;
 flat in float fillToM;
 flat in int nearSlice;
 uniform float boundariesM[SLICES + 1];
+uniform int place[SLICES];  // in the textures; -1: nothing is drawn into that slice
 #ifdef ALPHA_MASK
 #include "common/alpha.glsl"
 in vec2 uv;
@@ -56,17 +59,17 @@ void main() {
     while (slice < SLICES && depthM >= boundariesM[slice + 1]) ++slice;
     while (slice > 0 && depthM < boundariesM[slice]) --slice;
     int filled = slice + 1 < SLICES && fillToM > boundariesM[slice + 1] ? slice + 1 : slice;
+    int at = slice < SLICES ? place[slice] : -1, alsoAt = slice < SLICES ? place[filled] : -1;
 #ifdef SLICES_AS_BITS
     bits = uvec4(0u);
     for (int w = 0; w < (SLICES + 31) / 32; ++w) {
-        if (slice < SLICES && slice >> 5 == w) bits[w] |= 1u << (slice & 31);
-        if (slice < SLICES && filled >> 5 == w) bits[w] |= 1u << (filled & 31);
+        if (at >> 5 == w) bits[w] |= 1u << (at & 31);
+        if (alsoAt >> 5 == w) bits[w] |= 1u << (alsoAt & 31);
     }
 #else
     for (int i = 0; i < kLayers; ++i) {
         ivec4 own = 4 * i + ivec4(0, 1, 2, 3);
-        bvec4 is = equal(own, ivec4(slice)), also = equal(own, ivec4(filled));
-        slices[i] = slice < SLICES ? max(vec4(is), vec4(also)) : vec4(0.0);
+        slices[i] = max(vec4(equal(own, ivec4(at))), vec4(equal(own, ivec4(alsoAt))));
     }
 #endif
 }

@@ -6,6 +6,7 @@
 
 #include "core/effects/effects.hpp"
 #include "core/scene/scene.hpp"
+#include "core/scene/supported_input.hpp"
 #include "harness/metrics/metrics.hpp"
 #include "harness/run/suite.hpp"
 #include "methods/shadow_method.hpp"
@@ -16,7 +17,7 @@ namespace {
 
 using Texts = std::vector<std::string>;
 
-const Texts kKinds = {"methods", "scenes", "suites", "metrics", "effects"};
+const Texts kKinds = {"methods", "scenes", "suites", "metrics", "effects", "inputs"};
 
 /// The ids that `kind` must list, as the libraries know them.
 Texts idsOf(const std::string& kind) {
@@ -29,6 +30,7 @@ Texts idsOf(const std::string& kind) {
     if (kind == "suites") return suiteIds(SceneLibrary::standard());
     if (kind == "metrics") add(allMetrics());
     if (kind == "effects") add(allEffects());
+    if (kind == "inputs") add(supportedInputs());
     return ids;
 }
 

@@ -5,34 +5,9 @@
 #include <set>
 
 #include "core/error.hpp"
-#include "core/scene/scene.hpp"
 
 namespace penumbra {
 namespace {
-
-/// A scene with one opaque and one masked material, of which `parts` uses some.
-class TwoMaterials final : public Scene {
-  public:
-    explicit TwoMaterials(std::vector<int> partMaterials) {
-        materials.resize(2);
-        materials[1].masked = true;
-        auto geometry = std::make_shared<Geometry>();
-        for (const int material : partMaterials) {
-            Part part;
-            part.material = material;
-            geometry->parts.push_back(part);
-        }
-        frame_.geometry = geometry;
-        frame_.light.halfU = frame_.light.halfV = 0.5;
-    }
-    int frameCount() const override { return 1; }
-    SceneFrame frame(int) const override { return frame_; }
-
-  private:
-    SceneFrame frame_;
-};
-
-const EffectSet kAlways{Effect::self_shadow, Effect::thin_casters, Effect::layered_casters};
 
 TEST(Effects, TableIsInTheOrderOfTheEnumWithDistinctIds) {
     std::set<std::string_view> ids;
@@ -90,27 +65,12 @@ TEST(EffectChoice, RefusesEverythingElseAndNamesTheIds) {
     }
 }
 
-TEST(EffectsCalledFor, FollowLightMaterialsAndTracks) {
-    TwoMaterials scene({0, 0});
-    SceneFrame frame = scene.frame(0);
-    EXPECT_EQ(effectsCalledFor(scene, frame), EffectSet(kAlways).add(Effect::penumbra));
-
-    frame.light.halfV = 0.0;  // a line still has extent
-    EXPECT_TRUE(effectsCalledFor(scene, frame).has(Effect::penumbra));
-    frame.light.halfU = 0.0;
-    EXPECT_EQ(effectsCalledFor(scene, frame), kAlways);
-
-    scene.movingLight = scene.movingCasters = scene.movingCamera = true;
-    EXPECT_EQ(effectsCalledFor(scene, frame), EffectSet(kAlways)
-                                                  .add(Effect::moving_light)
-                                                  .add(Effect::moving_casters)
-                                                  .add(Effect::moving_camera));
-}
-
-TEST(EffectsCalledFor, AlphaMaskOnlyWhereAPartUsesIt) {
-    const TwoMaterials with({0, 1}), without({0});
-    EXPECT_TRUE(effectsCalledFor(with, with.frame(0)).has(Effect::alpha_mask));
-    EXPECT_FALSE(effectsCalledFor(without, without.frame(0)).has(Effect::alpha_mask));
+TEST(EffectFindings, WhatIsCalledForIsTheSetOfThoseThatAre) {
+    EffectFindings findings;
+    for (const EffectInfo& info : allEffects()) findings[info.effect].calledFor = false;
+    EXPECT_TRUE(findings.calledFor().empty());
+    findings[Effect::alpha_mask] = {true, "a reason"};
+    EXPECT_EQ(findings.calledFor(), EffectSet{Effect::alpha_mask});
 }
 
 TEST(Plan, IsCalledForAndPossible) {
@@ -139,6 +99,16 @@ TEST(Plan, ForcedEffectsReplaceWhatTheSceneCallsFor) {
     EXPECT_EQ(list.simulated, EffectSet{Effect::penumbra});
     EXPECT_EQ(list.skipped, EffectSet{Effect::self_shadow});
     EXPECT_EQ(list.missing, EffectSet{Effect::moving_light});
+}
+
+TEST(Plan, WhatIsLeftOutIsSkipped) {
+    EffectChoice choice;
+    choice.leftOut.add(Effect::penumbra);
+    const EffectSet both{Effect::penumbra, Effect::self_shadow};
+    const Plan plan = planFor(choice, both, both);
+    EXPECT_EQ(plan.simulated, EffectSet{Effect::self_shadow});
+    EXPECT_EQ(plan.skipped, EffectSet{Effect::penumbra});
+    EXPECT_TRUE(plan.missing.empty());
 }
 
 }  // namespace

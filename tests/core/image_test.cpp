@@ -227,5 +227,19 @@ TEST(Text, IsBlendedInItsColourAndClipped) {
     EXPECT_EQ(image.pixels, before.pixels);
 }
 
+TEST(Image, BytesAreThoseOfTheSrgbFormula) {
+    const auto formula = [](float x) {
+        return std::lround(
+            255.0f * (x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1 / 2.4f) - 0.055f));
+    };
+    for (int i = 0; i <= 1'000'000; ++i) {
+        const float x = static_cast<float>(i) / 1'000'000;
+        ASSERT_EQ(srgb8(x), formula(x)) << x;
+    }
+    EXPECT_EQ(srgb8(-1.0f), 0);
+    EXPECT_EQ(srgb8(2.0f), 255);
+    EXPECT_EQ(srgb8(std::numeric_limits<float>::quiet_NaN()), 0);
+}
+
 }  // namespace
 }  // namespace penumbra

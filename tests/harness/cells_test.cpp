@@ -27,7 +27,7 @@ std::map<std::string, int> repeatsOf(int asked, double enoughMs) {
     options.enoughMs = enoughMs;
     std::map<std::string, int> repeats;
     runCells(staged.frame, options, {&slowRun, &quickRun}, target,
-             [&](Row&& row, const std::vector<float>&) {
+             [&](std::size_t, Row&& row, const std::vector<float>&) {
                  EXPECT_EQ(row.status, "ok") << row.message;
                  repeats[row.method] = row.repeats;
              });

@@ -1,5 +1,7 @@
 #include "harness/run/compare.hpp"
 
+#include <cmath>
+
 #include "tests/support/compare_fixture.hpp"
 #include "tests/support/fake_methods.hpp"
 
@@ -76,32 +78,96 @@ TEST_F(CompareTest, AFrameInWhichNothingMovedKeepsTheMaps) {
     EXPECT_EQ(row("run", "hard", 1).drawCalls, 1.0) << "no depth pass";
 }
 
+std::string track(const std::string& target, const std::string& values) {
+    return "\n[[track]]\ntarget = \"" + target + "\"\ntimes = [0.0, 1.0]\nvalues = " + values +
+           "\n";
+}
+
+const std::string kGrowingLight = track("light.size", "[[1.6, 1.0], [0.8, 0.5]]");
+const std::string kMovingCamera = track("camera.position", "[[-1.7, 2.6, 0.0], [-1.7, 1.3, 0.4]]");
+
 TEST_F(CompareTest, WhatMovesIsBuiltAgain) {
-    const auto track = [](const std::string& target, const std::string& values) {
-        return "\n[[track]]\ntarget = \"" + target + "\"\ntimes = [0.0, 1.0]\nvalues = " + values +
-               "\n";
-    };
-    // The other camera sees other receivers, to which the light view is fitted.
     for (const std::string& moving :
-         {script("light", track("light.size", "[[1.6, 1.0], [0.8, 0.5]]")),
-          script("camera", track("camera.position", "[[-1.7, 2.6, 0.0], [-1.7, 1.3, 0.4]]")),
-          script("growing", track("light.position", "[[0.0, 4.0, 0.0], [0.1, 4.0, 0.0]]"))}) {
+         {script("light", kGrowingLight),
+          script("away", track("light.position", "[[0.0, 4.0, 0.0], [0.1, 4.0, 0.0]]"))}) {
         const std::string run = std::filesystem::path(moving).stem().string() + "_run";
         ASSERT_EQ(compare(options(run, {moving}, {"hard"})), 0);
         EXPECT_EQ(row(run, "hard", 1).maps, 1.0) << moving;
         EXPECT_TRUE(row(run, "hard", 1).buildMs) << moving;
+        EXPECT_NE(row(run, "hard", 1).effectsSimulated.find("moving_light"), std::string::npos);
     }
+}
+
+TEST_F(CompareTest, ATrackThatChangesNothingMovesNothing) {
+    const std::string still = track("light.size", "[[1.6, 1.0], [1.6, 1.0]]");
+    ASSERT_EQ(compare(options("run", {script("constant", still)}, {"hard"})), 0);
+    EXPECT_EQ(row("run", "hard", 1).effectsSimulated.find("moving"), std::string::npos);
+    EXPECT_FALSE(row("run", "hard", 1).buildMs);
+}
+
+TEST_F(CompareTest, AMovingCameraKeepsTheMaps) {
+    CompareOptions o = options("auto", {script("camera", kMovingCamera)}, {"hard", "pcf"});
+    ASSERT_EQ(compare(o), 0);
+    o.out = path("all");
+    o.effects = EffectChoice::parse("all");
+    ASSERT_EQ(compare(o), 0);
+    for (const char* setting : {"hard", "pcf"}) {
+        EXPECT_TRUE(row("auto", setting, 0).buildMs) << setting;
+        EXPECT_FALSE(row("auto", setting, 1).buildMs) << setting;
+        EXPECT_EQ(row("auto", setting, 1).maps, 0.0) << setting;
+        EXPECT_TRUE(row("all", setting, 1).buildMs) << setting << ": all rebuilds every frame";
+        // The same maps, for the light's view is of the receivers of all frames.
+        for (const int frame : {0, 1}) {
+            const RunFolder a(path("auto")), b(path("all"));
+            const GBuffer gbuffer = a.readGBuffer("camera", frame);
+            const auto kept = a.readVisibility("camera", frame, setting),
+                       built = b.readVisibility("camera", frame, setting);
+            std::size_t off = 0;
+            for (std::size_t i = 0; i < kept.size(); ++i)
+                off += gbuffer.mask[i] == PixelClass::scored &&
+                       !(std::abs(kept[i] - built[i]) <= 1.0f / 255.0f);
+            EXPECT_EQ(off, 0u) << setting << " frame " << frame;
+        }
+    }
+}
+
+TEST_F(CompareTest, ALightThatThePlanHoldsStaysAsItWas) {
+    CompareOptions o = options("held", {script("light", kGrowingLight)}, {"pcf", "ray_traced"});
+    o.effects = EffectChoice::parse("penumbra,self_shadow,thin_casters");
+    ASSERT_EQ(compare(o), 0);
+    const RunFolder run(path("held"));
+    for (const char* setting : {"pcf", "ray_traced"}) {
+        EXPECT_FALSE(row("held", setting, 1).buildMs) << setting;
+        EXPECT_EQ(run.readVisibility("light", 1, setting), run.readVisibility("light", 0, setting))
+            << setting;
+    }
+    // The truth moves on.
+    EXPECT_NE(run.readReference("light", 1).visibility, run.readReference("light", 0).visibility);
+    EXPECT_GT(*row("held", "ray_traced", 1).metrics.rmse,
+              2.0 * *row("held", "ray_traced", 0).metrics.rmse);
 }
 
 TEST_F(CompareTest, EffectsAreChosenAndNamed) {
     CompareOptions o = options("auto", {script("still")}, {"hard", "pcf"});
     ASSERT_EQ(compare(o), 0);
-    EXPECT_EQ(row("auto", "hard").effectsSimulated, "self_shadow thin_casters layered_casters");
+    // The half plane is one flat sheet in the air, which the camera sees as well.
+    EXPECT_EQ(row("auto", "pcf").effectsSimulated, "penumbra self_shadow thin_casters");
+    EXPECT_EQ(row("auto", "hard").effectsSimulated, "self_shadow thin_casters");
     EXPECT_EQ(row("auto", "hard").effectsSkipped,
-              "alpha_mask moving_light moving_casters moving_camera");
+              "layered_casters alpha_mask moving_light moving_casters moving_camera");
     EXPECT_EQ(row("auto", "hard").effectsMissing, "penumbra");
     EXPECT_EQ(row("auto", "pcf").effectsMissing, "");
     EXPECT_EQ(record("auto").effects, "auto");
+    ASSERT_EQ(record("auto").analysis.size(), 2u);
+    for (const EffectsRecord& found : record("auto").analysis) {
+        EXPECT_EQ(found.scene, "still");
+        EXPECT_EQ(found.findings.calledFor().text(), "penumbra self_shadow thin_casters");
+        for (const EffectInfo& info : allEffects())
+            EXPECT_FALSE(found.findings[info.effect].evidence.empty()) << info.id;
+    }
+    EXPECT_NE(test::readText(RunFolder(path("auto")).summary())
+                  .find("| still | 0 to 1 | layered_casters | no | casters are convex or flat"),
+              std::string::npos);
 
     const auto with = [&](const std::string& choice) {
         o.effects = EffectChoice::parse(choice);
@@ -112,6 +178,7 @@ TEST_F(CompareTest, EffectsAreChosenAndNamed) {
     EXPECT_EQ(row("all", "pcf").effectsSimulated, EffectSet::all().text());
     EXPECT_EQ(row("all", "pcf").effectsSkipped, "");
     EXPECT_EQ(row("all", "hard").effectsMissing, "penumbra");
+    EXPECT_EQ(record("all").effects, "all");
     with("none");
     EXPECT_EQ(row("none", "pcf").effectsSimulated, "");
     EXPECT_EQ(row("none", "pcf").effectsSkipped, EffectSet::all().text());

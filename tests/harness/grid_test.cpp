@@ -224,6 +224,24 @@ TEST(RenderGrid, AnErrorShowsItsColour) {
     EXPECT_EQ(countPixels(leak, isBlue), countPixels(good, isBlue)) << "only the legend is blue";
 }
 
+TEST(RenderGrid, TheLabelNamesEffectsBeyondTheMethod) {
+    const Scenery s;
+    Row row = okRow();
+    const Image plain = gridOf(s, row, 1, s.reference.visibility);
+    row.effectsMissing = "alpha_mask";
+    const Image named = gridOf(s, row, 1, s.reference.visibility);
+    ASSERT_EQ(named.pixels.size(), plain.pixels.size());
+    // Below the tiles, in the second column's caption.
+    int first = named.height, left = named.width;
+    for (int y = 0; y < named.height; ++y)
+        for (int x = 0; x < named.width; ++x)
+            if (named.at(x, y, 0) != plain.at(x, y, 0))
+                first = std::min(first, y), left = std::min(left, x);
+    EXPECT_GT(first, 2 * 384);
+    EXPECT_LT(first, named.height);
+    EXPECT_GE(left, 24 + 384 + 12);
+}
+
 TEST(RenderGrid, AFailedCellSaysWhy) {
     const Scenery s;
     Row row = okRow();

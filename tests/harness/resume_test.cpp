@@ -87,6 +87,37 @@ TEST_F(Resume, ARunCutOffAnywhereEndsLikeAWholeOne) {
     }
 }
 
+TEST_F(Resume, AFrameAloneHasWhatAWholeRunGivesIt) {
+    // Maps are kept from a frame that this process never saw, light and camera as the plan has
+    // them.
+    const std::string moving = script("moving", R"(
+[[track]]
+target = "light.size"
+times = [0.0, 1.0]
+values = [[1.6, 1.0], [0.8, 0.5]]
+
+[[track]]
+target = "camera.position"
+times = [0.0, 1.0]
+values = [[-1.7, 2.6, 0.0], [-1.7, 1.3, 0.4]]
+)");
+    for (const char* effects : {"auto", "none"}) {
+        const std::string whole = std::string("whole_") + effects, half = whole + "_half";
+        CompareOptions o = options(whole, {moving}, {"pcf"});
+        o.effects = EffectChoice::parse(effects);
+        ASSERT_EQ(compare(o), 0);
+        o.out = path(half);
+        o.shard = o.shards = 2;
+        ASSERT_EQ(compare(o), 0);
+        ASSERT_EQ(rows(half).size(), 1u);
+        EXPECT_EQ(rows(half)[0].frame, 1);
+        EXPECT_EQ(RunFolder(path(half)).readVisibility("moving", 1, "pcf"),
+                  RunFolder(path(whole)).readVisibility("moving", 1, "pcf"))
+            << effects;
+        EXPECT_EQ(rows(half)[0].buildMs.has_value(), row(whole, "pcf", 1).buildMs.has_value());
+    }
+}
+
 TEST_F(Resume, AFinishedRunIsLeftAsItIs) {
     CompareOptions o = options("run", {"half_plane"}, kMethods);
     ASSERT_EQ(compare(o), 0);
@@ -94,7 +125,7 @@ TEST_F(Resume, AFinishedRunIsLeftAsItIs) {
     o.resume = true;
     ASSERT_EQ(compare(o), 0);
     auto after = test::filesBelow(path("run"));
-    for (const char* timed : {"run.json", "summary.md"}) after[timed] = before.at(timed);
+    for (const char* timed : {"run.json", "summary.md", "report.html"}) after[timed] = before.at(timed);
     EXPECT_TRUE(after == before);
     EXPECT_EQ(record("run").references.size(), 1u) << "what tracing cost is not forgotten";
 }

@@ -256,6 +256,61 @@ TEST_F(CsvFile, MissingAndRepeatedColumnsAreNamed) {
         << errorOfReading();
 }
 
+std::string errorOfTable(const std::filesystem::path& path) {
+    try {
+        readResultsTable(path);
+    } catch (const InputError& error) {
+        return std::string(error.what()).substr(path.string().size());
+    }
+    return "";
+}
+
+TEST_F(CsvFile, ATableOfAnotherVersionIsReadByName) {
+    write("new_one,status,setting,method,frame,scene,rmse\nx,ok,pcf-1,pcf,2,fence,0.5\n");
+    const ResultsTable table = readResultsTable(path);
+    ASSERT_EQ(table.rows.size(), 1u);
+    EXPECT_EQ(table.rows[0].scene, "fence");
+    EXPECT_EQ(table.rows[0].frame, 2);
+    EXPECT_EQ(table.rows[0].metrics.rmse, 0.5);
+    EXPECT_EQ(table.lines, (std::vector<std::size_t>{2}));
+    EXPECT_EQ(table.unknown.at("new_one"), (std::vector<std::string>{"x"}));
+    EXPECT_EQ(std::ranges::count(table.absent, "frame_ms"), 1);
+    EXPECT_EQ(std::ranges::count(table.absent, "rmse"), 0);
+}
+
+TEST_F(CsvFile, ATableTrustsNothing) {
+    const std::string good = csvHeader() + "\n" + toCsv(fullRow()) + "\n";
+    write(good);
+    EXPECT_EQ(errorOfTable(path), "");
+    for (const std::size_t cut : {good.size() - 1, good.size() - 20, csvHeader().size() + 5}) {
+        write(good.substr(0, cut));
+        EXPECT_EQ(errorOfTable(path), ":2: the file is cut short within this line") << cut;
+    }
+    write("");
+    EXPECT_EQ(errorOfTable(path), ":1: no header line");
+    write(good + toCsv(fullRow()) + "\n");
+    EXPECT_EQ(errorOfTable(path),
+              ":3: scene two_layers frame 3 setting pcf-0a1b2c3d has a row in line 2 already");
+    write("scene,frame,method,setting\na,0,b,c\n");
+    EXPECT_TRUE(errorOfTable(path).starts_with(":1: column status is missing"));
+    write("rmse,rmse\n");
+    EXPECT_EQ(errorOfTable(path), ":1: column rmse occurs 2 times");
+
+    const auto edited = [&](const std::string& was, const std::string& is) {
+        std::string line = toCsv(fullRow());
+        line.replace(line.find(was), was.size(), is);
+        write(csvHeader() + "\n" + line + "\n");
+        return errorOfTable(path);
+    };
+    EXPECT_EQ(edited(",ok,", ",fine,"),
+              ":2: column status: 'fine'; valid are ok, failed, unsupported");
+    EXPECT_EQ(edited(",0.01,", ",nan,"), ":2: column rmse: 'nan' is not finite");
+    EXPECT_EQ(edited(",0.01,", ",inf,"), ":2: column rmse: 'inf' is not finite");
+    EXPECT_EQ(edited(",0.01,", ",-0.01,"), ":2: column rmse: '-0.01' is below 0");
+    EXPECT_EQ(edited(",0.01,", ",fast,"), ":2: column rmse: 'fast' is not a number");
+    EXPECT_EQ(edited(",0.01,", ","), ":2: 52 fields, expected 53");
+}
+
 TEST(NumberInColumn, GivesWhatTheCsvHas) {
     Row row = fullRow();
     EXPECT_EQ(numberInColumn(row, "frame_ms"), 0.1);

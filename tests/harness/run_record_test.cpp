@@ -22,11 +22,15 @@ RunRecord fullRecord() {
     r.referenceSe = 1.0 / 1024;
     r.reference = "embree";
     r.effects = "penumbra alpha_mask";
+    r.cache = "a folder";
     r.provenance = {{"renderer", "llvmpipe (LLVM 15, 256 bits)"}, {"commit", "abc+"}, {"a", ""}};
     r.scenes = {{"fence", "pickets", "", "scenes/fence.toml", 3, {}},
                 {"mine", "", "fig. 6", "mine.glb", 1, {"light: placed", "camera: placed"}}};
     r.settings = {{"pcf-0a1b2c3d", "pcf", "taps=9"}, {"hard", "hard", ""}};
     r.references = {{"fence", 2, 1e9, 0.25, true, 1000, 200000, 3e9}};
+    EffectsRecord effects{"fence", 2, 12.5, 0.25, {}};
+    effects.findings[Effect::alpha_mask] = {false, "no material is masked"};
+    r.analysis = {effects};
     r.phases = {{"reference", 1.5}, {"methods", 0.125}};
     r.skippedScenes = {{"engine", "install Debian package assimp-testmodels"}};
     r.fencedClockMs = 33.5;
@@ -56,8 +60,15 @@ TEST(RunRecord, RoundTripKeepsEverything) {
     EXPECT_EQ(back.width, r.width);
     EXPECT_EQ(back.height, r.height);
     EXPECT_EQ(back.repeats, r.repeats);
+    EXPECT_EQ(back.cache, r.cache);
     EXPECT_EQ(back.seed, r.seed);
     EXPECT_EQ(back.referenceSe, r.referenceSe);
+    ASSERT_EQ(back.analysis.size(), 1u);
+    EXPECT_EQ(back.analysis[0].scene, "fence");
+    EXPECT_EQ(back.analysis[0].frame, 2);
+    EXPECT_EQ(back.analysis[0].loadMs, 12.5);
+    EXPECT_EQ(back.analysis[0].analysisMs, 0.25);
+    EXPECT_EQ(back.analysis[0].findings, r.analysis[0].findings);
     EXPECT_EQ(back.reference, r.reference);
     EXPECT_EQ(back.effects, r.effects);
     EXPECT_EQ(back.provenance, r.provenance) << "order included";

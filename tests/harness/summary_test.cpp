@@ -298,6 +298,39 @@ TEST(Summary, ReferenceTable) {
     EXPECT_TRUE(contains(text, "adaptive / uniform, over the run: 0.250\n"));
 }
 
+TEST(Summary, EffectsWithTheirEvidence) {
+    SummaryInput input;
+    EffectsRecord record{"fence", 0, 100.0, 2.5, {}};
+    for (const EffectInfo& info : allEffects())
+        record.findings[info.effect] = {false, "nothing lies between"};
+    record.findings[Effect::layered_casters] = {true, "31 % of 1024 sampled light rays"};
+    EffectsRecord second = record, third = record;
+    second.frame = 1, third.frame = 2;
+    third.findings[Effect::layered_casters] = {false, "casters are convex"};
+    input.analysis = {record, third, second};  // as a resumed run leaves them
+    const std::string text = summaryMarkdown(input);
+    EXPECT_TRUE(contains(text, "| fence | 0 to 1 | layered_casters |\n| fence | 2 | nothing |\n"));
+    EXPECT_TRUE(contains(
+        text, "| fence | 0 to 1 | layered_casters | yes | 31 % of 1024 sampled light rays |\n"));
+    EXPECT_TRUE(contains(text, "| fence | 2 | layered_casters | no | casters are convex |\n"));
+    EXPECT_TRUE(contains(text, "| fence | 0 | 100 | 2.50 | 2.50 % |\n"));
+    EXPECT_TRUE(contains(text, "| all |  | 300 | 7.50 | 2.50 % |\n"));
+}
+
+TEST(Summary, WhatMethodsCanSimulateIsByTheirTraits) {
+    SummaryInput input;
+    input.rows = {okRow("fence", "hard", 1, 0.1), okRow("fence", "penumbra_quads", 1, 0.1),
+                  okRow("fence", "another_renderer", 1, 0.1)};
+    const std::string text = summaryMarkdown(input);
+    const std::string table = text.substr(text.find("## What methods can simulate"));
+    EXPECT_EQ(lineStarting(table, "| hard "),
+              "| hard | **no** | yes | yes | yes | yes | yes | yes | yes |");
+    EXPECT_EQ(lineStarting(table, "| penumbra_quads "),
+              "| penumbra_quads | yes | yes | yes | yes | **no** | yes | yes | yes |");
+    EXPECT_EQ(lineStarting(table, "| another"), "");
+    EXPECT_FALSE(contains(summaryMarkdown({}), "can simulate"));
+}
+
 TEST(Summary, PhasesAddUpAndNameTheOverhead) {
     SummaryInput input;
     input.phases = {{"prepare", 3}, {"reference", 60}, {"methods", 30}, {"images", 6}, {"rest", 1}};

@@ -18,15 +18,16 @@ inline Assignments with(Assignments settings, const Assignments& more) {
 
 /// An image and what the row would say of it.
 struct Outcome {
-    Image image;
+    Visibility image;
     WorkCounters counters;
     int maps = 0;  ///< without the centre's
 };
 
-inline Outcome outcome(const TestFrame& frame, const Assignments& settings) {
+inline Outcome outcome(const TestFrame& frame, const Assignments& settings,
+                       const EffectChoice& effects = {}) {
     const auto method = findMethod(kId).make();
     for (const auto& [parameter, value] : settings) method->set(kId, parameter, value);
-    const Plan plan = planFor({}, frame.calledFor(), method->traits().simulates);
+    const Plan plan = planFor(effects, frame.calledFor(), method->traits().simulates);
     method->prepare(frame->scene, plan);
     const TextureTarget target(frame->width(), frame->height());
     target.poison();

@@ -109,7 +109,7 @@ TEST_P(Contract, FullUmbraIsBlack) {
 TEST_P(Contract, SameSeedGivesTheSameImage) {
     const TestFrame frame(boxOverPlate(), 64);
     Renderer renderer(frame, id());
-    const Image first = renderer(frame);
+    const Visibility first = renderer(frame);
     EXPECT_EQ(renderer(frame), first) << "the same instance again";
     EXPECT_EQ(render(frame, id()), first) << "another instance";
 }
@@ -149,7 +149,7 @@ TEST_P(Contract, PointLightIsTheHardLimitInEveryQuadrant) {
           glm::dvec2(0.6, -0.5)}) {
         const TestFrame frame(boxOverPlate({place, 2.0}, 0.0, 0.0), 96);
         if (!renderer) renderer = std::make_unique<Renderer>(frame, id());
-        const Image image = (*renderer)(frame);
+        const Visibility image = (*renderer)(frame);
         EXPECT_EQ(violations(frame, image, [](float v, auto) { return v == 0.0f || v == 1.0f; }),
                   0);
         int certain = 0, shadowed = 0;
@@ -166,9 +166,9 @@ TEST_P(Contract, PointLightIsTheHardLimitInEveryQuadrant) {
 }
 
 TEST_P(Contract, TinyLightIsAPointLight) {
-    const Image point = render(TestFrame(boxOverPlate({0.1, 0.2, 2.0}, 0.0, 0.0), 96), id());
+    const Visibility point = render(TestFrame(boxOverPlate({0.1, 0.2, 2.0}, 0.0, 0.0), 96), id());
     const TestFrame frame(boxOverPlate({0.1, 0.2, 2.0}, 1e-7, 1e-7), 96);
-    const Image tiny = render(frame, id());
+    const Visibility tiny = render(frame, id());
     // Pixels whose ray grazes an edge may fall on either side of it: none to be expected among
     // 9000 that lie millimetres apart, five are let pass.
     EXPECT_LE(
@@ -179,7 +179,7 @@ TEST_P(Contract, TinyLightIsAPointLight) {
 
 TEST_P(Contract, StateLeftByOthersDoesNotMatter) {
     const TestFrame frame(boxOverPlate(), 64);
-    const Image image = render(frame, id());
+    const Visibility image = render(frame, id());
     const auto all = [](const auto& set) {
         for (const GLenum capability : {GL_BLEND, GL_CULL_FACE, GL_DEPTH_CLAMP, GL_DEPTH_TEST,
                                         GL_POLYGON_OFFSET_FILL, GL_SCISSOR_TEST})
@@ -208,7 +208,7 @@ TEST_P(Contract, MovingLightLeavesNothingBehind) {
 
 TEST_P(Contract, ScaleDoesNotMatter) {
     const TestFrame frame(boxOverPlate(), 64);
-    const Image image = render(frame, id());
+    const Visibility image = render(frame, id());
     // Powers of two change no digit of any float, so no digit of the answer either.
     for (const double factor : {1024.0, 1.0 / 1024.0})
         EXPECT_EQ(render(TestFrame(scaled(boxOverPlate(), factor), 64), id()), image) << factor;
@@ -216,7 +216,7 @@ TEST_P(Contract, ScaleDoesNotMatter) {
     // handful of the 4096 pixels lie so close to an edge.
     for (const double factor : {1000.0, 1.0 / 1000.0}) {
         const TestFrame other(scaled(boxOverPlate(), factor), 64);
-        const Image otherImage = render(other, id());
+        const Visibility otherImage = render(other, id());
         EXPECT_LE(
             violations(frame, image,
                        [&](float v, std::size_t i) { return std::abs(v - otherImage[i]) < 1e-3; }),
@@ -244,7 +244,7 @@ TEST_P(Contract, ReceiversBesideTheLightAreLit) {
                  wall({2.0, 1.9, 0.1}, {0, -3.8, 0}), wall({-2.0, -1.9, 0.1}, {0, 3.8, 0}),
                  wall({-1.9, 2.0, 0.1}, {3.8, 0, 0}), wall({1.9, -2.0, 0.1}, {-3.8, 0, 0})}));
     ASSERT_EQ(frame.asked().size(), frame->gbuffer.size());
-    Image image;
+    Visibility image;
     try {
         image = render(frame, id());
     } catch (const Unsupported& reason) {
@@ -264,7 +264,7 @@ TEST_P(Contract, CastersBesideTheLightShadowFloorAndWall) {
         stacked({planeGBuffer(48, 24, {1.0, -0.5, 0}, {0.9, 0, 0}, {0, 1, 0}, light),
                  planeGBuffer(48, 48, {2.0, 0.5, 0.1}, {0, -1, 0}, {0, 0, 2.55}, light)}));
     ASSERT_EQ(frame.asked().size(), frame->gbuffer.size());
-    Image image;
+    Visibility image;
     try {
         image = render(frame, id());
     } catch (const Unsupported& reason) {

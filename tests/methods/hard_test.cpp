@@ -30,7 +30,8 @@ TEST_F(Hard, EdgeOfAHalfPlaneIsWhereItBelongs) {
             for (const int mapSize : {128, 1024}) {
                 const HalfPlane caster{heightM, 0, edgeM};
                 const TestFrame frame = caster.frame(0.0, 0.0, 256);
-                const Image image = render(frame, "hard", {{"map_size", std::to_string(mapSize)}});
+                const Visibility image =
+                    render(frame, "hard", {{"map_size", std::to_string(mapSize)}});
                 // The nearest texel's centre is looked up: half a texel, and a hundredth for
                 // rounding.
                 const double reachM = 0.51 * texelM(frame, 0.0, mapSize, HalfPlane::kLightM);
@@ -47,7 +48,7 @@ TEST_F(Hard, EdgeOfAHalfPlaneIsWhereItBelongs) {
 TEST_F(Hard, LightsExtentIsIgnored) {
     const HalfPlane caster;
     const TestFrame frame = caster.frame(0.6, 0.4);
-    const Image image = render(frame, "hard");
+    const Visibility image = render(frame, "hard");
     EXPECT_EQ(image, render(caster.frame(0.0, 0.0), "hard"));
     EXPECT_EQ(violations(frame, image, [](float v, auto) { return v == 0.0f || v == 1.0f; }), 0);
 }
@@ -65,7 +66,7 @@ TEST_F(Hard, ContactShadowReachesTheFootWithinTheBias) {
     constexpr int kMapSize = 256;
     const double texel = texelM(frame, 0.0, kMapSize, 2.0);
     for (const double bias : {0.0, 0.5, 8.0}) {
-        const Image image =
+        const Visibility image =
             render(frame, "hard", {{"map_size", "256"}, {"bias", std::to_string(bias)}});
         // The bias lifts the receiver by so many texels, along a ray that rises as it goes; the
         // texel asked may lie half a texel aside.
@@ -98,7 +99,7 @@ TEST_F(Hard, MaskedCasterCastsItsCutOut) {
     const TestFrame frame(
         world, planeGBuffer(96, 96, {-0.98, -0.98, 0.0}, {1.96, 0, 0}, {0, 1.96, 0}, world.light));
     const double reachUv = texelM(frame, 0.0, 1024, 1.0);  // the caster is one metre wide
-    const Image visibility = render(frame, "hard");
+    const Visibility visibility = render(frame, "hard");
     EXPECT_EQ(
         violations(frame, visibility,
                    [&](float v, std::size_t i) {
@@ -111,7 +112,7 @@ TEST_F(Hard, MaskedCasterCastsItsCutOut) {
                                         : 1.0f);
                    }),
         0);
-    const Image asOpaque = render(frame, "hard", {}, EffectChoice::parse("none"));
+    const Visibility asOpaque = render(frame, "hard", {}, EffectChoice::parse("none"));
     EXPECT_EQ(unequal(frame, asOpaque, 0.0f), 0) << "left out of the plan, the mask costs nothing";
 }
 

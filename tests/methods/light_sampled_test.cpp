@@ -23,7 +23,7 @@ Assignments counting(Assignments others) {
 }
 
 /// The worst error of an image of `caster` under a light of `lightM`.
-double worstError(const HalfPlane& caster, const TestFrame& frame, const Image& image,
+double worstError(const HalfPlane& caster, const TestFrame& frame, const Visibility& image,
                   double lightM) {
     const double casterEdgeM =
         caster.edgeM * (HalfPlane::kLightM - caster.heightM) / HalfPlane::kLightM;
@@ -69,11 +69,12 @@ TEST_F(LightSampled, DoublingTheSideHalvesTheWorstError) {
         world, planeGBuffer(kAcross, 4, {-0.3, -0.3, 0.0}, {0.8, 0, 0}, {0, 0.6, 0}, world.light));
     for (const Rule& rule : rules)
         for (const int columns : {3, 5, 9, 17}) {
-            const Image image = render(frame, "light_sampled",
-                                       counting({{"samples", std::to_string(columns * columns)},
-                                                 {"pattern", rule.pattern},
-                                                 {"weights", rule.weights},
-                                                 {"map_size", std::to_string(kMapSize)}}));
+            const Visibility image =
+                render(frame, "light_sampled",
+                       counting({{"samples", std::to_string(columns * columns)},
+                                 {"pattern", rule.pattern},
+                                 {"weights", rule.weights},
+                                 {"map_size", std::to_string(kMapSize)}}));
             // Each map's edge is off by half a texel at most, in a ramp of slope 1 / penumbraM; a
             // pixel lies within half a pixel of where the error is worst. The windows of all views
             // are as wide as the whole light's widest, 1.1 times that of the centre's.
@@ -88,7 +89,7 @@ TEST_F(LightSampled, EdgesOfTheLatticeAreCountedOnce) {
     // Trapezoid weights sum to one full weight per cell: 16 of 25 maps' worth. The half plane's
     // profile then has steps of 1/8, 1/4, 1/4, 1/4, 1/8.
     const TestFrame frame = HalfPlane{}.frame(0.8, 0.8);
-    const Image image =
+    const Visibility image =
         render(frame, "light_sampled",
                counting({{"samples", "25"}, {"pattern", "lattice"}, {"weights", "trapezoid"}}));
     EXPECT_EQ(violations(frame, image,
@@ -115,7 +116,7 @@ TEST_F(LightSampled, RowsFollowTheLightsProportions) {
         HalfPlane caster;
         caster.axis = axis;
         const TestFrame frame = caster.frame(0.8, 0.0);
-        const Image image = render(frame, "light_sampled", counting({{"samples", "8"}}));
+        const Visibility image = render(frame, "light_sampled", counting({{"samples", "8"}}));
         std::vector<float> values;
         for (const std::size_t i : frame.asked()) values.push_back(image[i]);
         std::ranges::sort(values);
@@ -155,7 +156,7 @@ TEST_F(LightSampled, OrderOfTheSamplesDoesNotMatter) {
         samples.push_back({{0.16 * (i % 5 - 2), 0.16 * (i / 5 - 2)}, i % 3 == 0 ? 4.0f : 1.0f});
     const gl::Program program =
         gl::Program::graphics("light_sampled.glsl", {"PASS_ALL", "LIGHT_MAPS_PCF"});
-    LightMaps maps(false);
+    LightMaps maps{Plan{}};
     maps.fit(*frame, 256);
     const auto image = [&] {
         maps.render(*frame, samples);
@@ -166,7 +167,7 @@ TEST_F(LightSampled, OrderOfTheSamplesDoesNotMatter) {
         target.draw(program, frame->gbufferTextures);
         return target.read();
     };
-    const Image inOrder = image();
+    const Visibility inOrder = image();
     std::ranges::reverse(samples);
     EXPECT_EQ(image(), inOrder);
     std::ranges::rotate(samples, samples.begin() + 7);
@@ -226,7 +227,7 @@ TEST_F(LightSampled, ConvergesToTheExactVisibility) {
                           planeGBuffer(64, 64, {-0.9, -0.9, 0.0}, {1.8, 0, 0}, {0, 1.8, 0}, light));
     const Reference exact = exactReference(frame->tracer, world.materials, frame->gbuffer, light);
     const auto rmse = [&](const char* samples) {
-        const Image image =
+        const Visibility image =
             render(frame, "light_sampled", {{"samples", samples}, {"map_size", "1024"}});
         double sum = 0.0;
         for (const std::size_t i : frame.asked())
@@ -257,8 +258,8 @@ TEST_F(LightSampled, EveryMapsBiasMovesItsContact) {
     constexpr int kMapSize = 512;
     const LightTile tile = TranslatedViews(*frame, kMapSize).from(glm::dvec2(0.0)).tiles[0];
     const double footprint = std::max(tile.tangentSize().x, tile.tangentSize().y) / kMapSize;
-    const Image image = render(frame, "light_sampled",
-                               counting({{"bias", std::to_string(kBias)}, {"map_size", "512"}}));
+    const Visibility image = render(
+        frame, "light_sampled", counting({{"bias", std::to_string(kBias)}, {"map_size", "512"}}));
     // Compared at a depth less by the factor 1 + b, the receiver at x seems to stand 2 b / (1 + b)
     // high; the ray from light point q to it passes the panel, x / (x - q) of its way to q, at the
     // height 2 x / (x - q). It is shadowed where that is more: x > b (x - q) / (1 + b), x > -b q.

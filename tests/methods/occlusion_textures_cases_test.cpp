@@ -49,7 +49,8 @@ struct Moving {
                             glm::dvec2(x + texels + width, y + height) * texelM, kCasterM);
         return shape;
     }
-    Image operator()(std::optional<Renderer>& renderer, const char* prefilter, int texels) const {
+    Visibility operator()(std::optional<Renderer>& renderer, const char* prefilter,
+                          int texels) const {
         const TestFrame rimFrame({caster(0.01, 0.0).geometry(), light()}, rim());
         const SliceView view =
             SliceView::fit(*rimFrame, {.mapSize = kMapSize, .orthographic = true});
@@ -61,7 +62,7 @@ struct Moving {
                                                     {2 * halfM, 0, 0}, {0, pitchM, 0}, light()),
                                        rim()}));
         if (!renderer) renderer.emplace(frame, kId, settings(prefilter));
-        Image image = (*renderer)(frame);
+        Visibility image = (*renderer)(frame);
         image.resize(kPixels);
         return image;
     }
@@ -69,13 +70,13 @@ struct Moving {
     /// move.
     std::vector<float> strays(const char* prefilter, const std::vector<int>& moves) const {
         std::optional<Renderer> renderer;
-        const Image still = (*this)(renderer, prefilter, 0);
+        const Visibility still = (*this)(renderer, prefilter, 0);
         const auto [least, greatest] = std::ranges::minmax(still);
         EXPECT_LT(least, 0.2f);
         EXPECT_GT(greatest, 0.9f);
         std::vector<float> differences;
         for (const int texels : moves) {
-            const Image moved = (*this)(renderer, prefilter, texels);
+            const Visibility moved = (*this)(renderer, prefilter, texels);
             float most = 0.0f;
             for (int i = 0; i + texels < kPixels; ++i)
                 most = std::max(most, std::abs(moved[static_cast<std::size_t>(i + texels)] -
@@ -133,7 +134,7 @@ TestFrame turnedWorld(double angleDeg) {
 }
 
 TEST_F(OcclusionTexturesCases, ATiltedLightIsAnUprightOneInItsOwnSpace) {
-    const Image upright = render(turnedWorld(0.0), kId);
+    const Visibility upright = render(turnedWorld(0.0), kId);
     for (const double angleDeg : {20.0, 75.0, 180.0}) {
         const TestFrame frame = turnedWorld(angleDeg);
         // Casters' corners are floats: an edge within 1e-7 of a texel's centre falls either way,
@@ -192,7 +193,8 @@ TestFrame aslant() {
 
 TEST_F(OcclusionTexturesCases, PlatesThatSlicesCutAslant) {
     const TestFrame frame = aslant();
-    const Image truth = render(frame, "ray_traced", {{"rays", "256"}}), image = render(frame, kId);
+    const Visibility truth = render(frame, "ray_traced", {{"rays", "256"}}),
+                     image = render(frame, kId);
     double squares = 0.0;
     int dark = 0;
     for (std::size_t i = 0; i < image.size(); ++i) {
@@ -221,12 +223,12 @@ struct Umbra {
                                                   .camera = moment.camera,
                                                   .materials = scene->materials},
                                             size);
-        const Image truth = render(*frame, "ray_traced", {{"rays", "256"}});
+        const Visibility truth = render(*frame, "ray_traced", {{"rays", "256"}});
         for (const std::size_t i : frame->asked())
             if (truth[i] == 0.0f) pixels.push_back(i);
     }
     double lit(const Assignments& settings) const {
-        const Image image = render(*frame, kId, settings);
+        const Visibility image = render(*frame, kId, settings);
         double sum = 0.0;
         for (const std::size_t i : pixels) sum += static_cast<double>(image[i]);
         return sum / static_cast<double>(pixels.size());
@@ -260,10 +262,10 @@ TEST_F(OcclusionTexturesCases, FillingRemovesTheLeakOfTheButterfly) {
 
 TEST_F(OcclusionTexturesCases, EarlyOutsAndTargetsChangeNothing) {
     const TestFrame frame = aslant();
-    const Image image = render(frame, kId);
+    const Visibility image = render(frame, kId);
     for (const Assignments& same :
          {Assignments{{"early_outs", "false"}}, Assignments{{"targets", "channels"}}}) {
-        const Image other = render(frame, kId, same);
+        const Visibility other = render(frame, kId, same);
         // Of a slice without anything to see floats may leave the last place of a share.
         EXPECT_EQ(
             violations(frame, other,

@@ -26,7 +26,7 @@ Assignments bare(const Assignments& more = {}) {
     return all;
 }
 
-double rmse(const TestFrame& frame, const Image& image, const auto& expected) {
+double rmse(const TestFrame& frame, const Visibility& image, const auto& expected) {
     double sum = 0.0;
     const std::vector<std::size_t> pixels = frame.asked();
     for (const std::size_t i : pixels) {
@@ -189,7 +189,7 @@ TestFrame leaningSheet() {
 
 double meanOf(const TestFrame& frame, const Assignments& settings) {
     double sum = 0.0;
-    const Image image = render(frame, "occlusion_textures", settings);
+    const Visibility image = render(frame, "occlusion_textures", settings);
     for (const float v : image) sum += static_cast<double>(v);
     return sum / static_cast<double>(image.size());
 }
@@ -228,7 +228,7 @@ TEST_F(OcclusionTextures, ReceiversCrossSlicesWithoutAJump) {
         {shape.geometry(), light},
         planeGBuffer(kPoints, 1, {0.0, -0.1, 0.0}, {0.25, 0.0, 2.5}, {0.0, 0.2, 0.0}, light));
     for (const char* rule : {"continued", "product", "mean"}) {
-        const Image image =
+        const Visibility image =
             render(frame, "occlusion_textures", bare({{"combination", rule}, {"bias", "0"}}));
         // A slice fades over (4 - 1.4) / 17 metres, 250 points; three at most change at once, and
         // the kernels near a plane are a few texels wide, which pass within tens of points.
@@ -266,7 +266,7 @@ TEST_F(OcclusionTextures, NothingAboveLeavesPointsLit) {
                  planeGBuffer(32, 32, {-1, -1, 1.0}, {2, 0, 0}, {0, 2, 0}, light),
                  planeGBuffer(32, 32, {-1, -1, 0.0}, {2, 0, 0}, {0, 2, 0}, light)}));
     for (const char* slices : {"1", "5", "16", "17", "64"}) {
-        const Image image = render(frame, "occlusion_textures", {{"slices", slices}});
+        const Visibility image = render(frame, "occlusion_textures", {{"slices", slices}});
         const auto above = image.begin() + 2 * 32 * 32;
         EXPECT_TRUE(std::all_of(image.begin(), above, [](float v) { return v == 1.0f; })) << slices;
         // The last slice's fade ends at the farthest receiver, but for rounding.
@@ -288,7 +288,7 @@ TEST_F(OcclusionTextures, SlopesOfAnySteepnessStayLit) {
 }
 
 TEST_F(OcclusionTextures, LightWithoutExtentIsTheHardMap) {
-    const Image hard = render(HalfPlane{}.frame(0.0, 0.0), "hard", {{"map_size", "512"}});
+    const Visibility hard = render(HalfPlane{}.frame(0.0, 0.0), "hard", {{"map_size", "512"}});
     EXPECT_EQ(render(HalfPlane{}.frame(0.0, 0.0), "occlusion_textures"), hard);
     EXPECT_EQ(
         render(HalfPlane{}.frame(0.8, 0.8), "occlusion_textures", {}, EffectChoice::parse("none")),
@@ -299,7 +299,7 @@ TEST_F(OcclusionTextures, LightWithoutExtentIsTheHardMap) {
     // And a few texels wide: within the penumbra and half a texel of each map of the same edge.
     const TestFrame small = HalfPlane{}.frame(0.02, 0.02);
     const double reach = 0.01 / 3.0 + 2.0 * texelM(small, 0.0, 512, HalfPlane::kLightM);
-    const Image image = render(small, "occlusion_textures");
+    const Visibility image = render(small, "occlusion_textures");
     EXPECT_EQ(violations(small, image,
                          [&](float v, std::size_t i) {
                              return std::abs(HalfPlane{}.across(small, i) - HalfPlane{}.edgeM) <

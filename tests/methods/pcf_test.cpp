@@ -44,7 +44,7 @@ double profile(const std::vector<glm::dvec2>& taps, int axis, double halfM, doub
 
 /// Pixels whose visibility is not the profile of `taps` at their place, give or take the half texel
 /// by which the nearest texel's centre may lie beside a tap (and a hundredth for rounding).
-int offProfile(const HalfPlane& caster, const TestFrame& frame, const Image& image,
+int offProfile(const HalfPlane& caster, const TestFrame& frame, const Visibility& image,
                const std::vector<glm::dvec2>& taps, glm::dvec2 halfM, int mapSize) {
     const double guardM = std::max(halfM.x, halfM.y);
     const double reachM = 0.51 * texelM(frame, guardM, mapSize, HalfPlane::kLightM);
@@ -61,7 +61,7 @@ int offProfile(const HalfPlane& caster, const TestFrame& frame, const Image& ima
 TEST_F(Pcf, ValuesAreMultiplesOfOneTap) {
     const TestFrame frame = HalfPlane{}.frame(0.8, 0.8);
     for (const char* pattern : {"grid", "vogel", "poisson"}) {
-        const Image image = render(frame, "pcf", {{"taps", "25"}, {"pattern", pattern}});
+        const Visibility image = render(frame, "pcf", {{"taps", "25"}, {"pattern", pattern}});
         EXPECT_EQ(violations(frame, image,
                              [](float v, auto) {
                                  return std::abs(25.0f * v - std::round(25.0f * v)) < 1e-5f;
@@ -73,7 +73,7 @@ TEST_F(Pcf, ValuesAreMultiplesOfOneTap) {
 
 TEST_F(Pcf, GridTakesTheGreatestSquare) {
     const TestFrame frame = HalfPlane{}.frame(0.8, 0.8);
-    const Image square = render(frame, "pcf", {{"taps", "25"}});
+    const Visibility square = render(frame, "pcf", {{"taps", "25"}});
     EXPECT_EQ(render(frame, "pcf", {{"taps", "35"}}), square);
     EXPECT_NE(render(frame, "pcf", {{"taps", "36"}}), square);
 }
@@ -90,7 +90,7 @@ TEST_F(Pcf, OneTapOfTheGridIsTheReceiverItself) {
     // The map is widened for the kernel, so its texels are not those of the hard map.
     const HalfPlane caster;
     const TestFrame frame = caster.frame(0.8, 0.8);
-    const Image image = render(frame, "pcf", {{"taps", "1"}, {"kernel", "1"}});
+    const Visibility image = render(frame, "pcf", {{"taps", "1"}, {"kernel", "1"}});
     EXPECT_EQ(offProfile(caster, frame, image, {{0.0, 0.0}}, glm::dvec2(0.4), 1024), 0);
 }
 
@@ -101,13 +101,13 @@ TEST_F(Pcf, WideKernelsDoNotShadeSlopes) {
             for (const char* compare : {"nearest", "hardware"})
                 for (const char* rotation : {"false", "true"}) {
                     const TestFrame frame = TiltedPlane{tiltDeg}.frame(0.1);
-                    const Image image = render(frame, "pcf",
-                                               {{"taps", "400"},
-                                                {"kernel", "4"},
-                                                {"map_size", "128"},
-                                                {"pattern", pattern},
-                                                {"compare", compare},
-                                                {"rotation", rotation}});
+                    const Visibility image = render(frame, "pcf",
+                                                    {{"taps", "400"},
+                                                     {"kernel", "4"},
+                                                     {"map_size", "128"},
+                                                     {"pattern", pattern},
+                                                     {"compare", compare},
+                                                     {"rotation", rotation}});
                     EXPECT_EQ(violations(frame, image,
                                          [](float v, std::size_t i) {
                                              return i >= TiltedPlane::kPixels || v == 1.0f;
@@ -160,7 +160,7 @@ TEST_F(Pcf, KernelFollowsTheLightsTwoAxes) {
         HalfPlane caster;
         caster.axis = axis;
         const TestFrame frame = caster.frame(1.0, 0.1);
-        const Image image = render(frame, "pcf", {{"kernel", "0.5"}});
+        const Visibility image = render(frame, "pcf", {{"kernel", "0.5"}});
         EXPECT_EQ(offProfile(caster, frame, image, grid(7), {0.25, 0.025}, 1024), 0)
             << (axis == 0 ? "wide" : "narrow") << " axis";
     }
@@ -171,7 +171,7 @@ TEST_F(Pcf, PatternsDifferAsTheirKernelsDo) {
     const Assignments many = {{"taps", "1024"}, {"kernel", "0.5"}, {"map_size", "2048"}};
     Assignments disc = many;
     disc.emplace_back("pattern", "vogel");
-    const Image onGrid = render(frame, "pcf", many), onDisc = render(frame, "pcf", disc);
+    const Visibility onGrid = render(frame, "pcf", many), onDisc = render(frame, "pcf", disc);
     // A disc's share beyond a chord differs from its square's by at most 0.058 (METHODS.md R2.2,
     // R2.3); 32 columns of taps, and texels of a 200th of the kernel, add a step each.
     constexpr double kMost = 0.058 + 1.0 / 32 + 1.0 / 200;
@@ -186,7 +186,7 @@ TEST_F(Pcf, PenumbraHasOneWidthWhateverTheCastersHeight) {
     for (const double heightM : {0.5, 1.5}) {
         const HalfPlane caster{heightM};
         const TestFrame frame = caster.frame(kLightM, kLightM);
-        const Image image = render(frame, "pcf", {{"kernel", "1"}});
+        const Visibility image = render(frame, "pcf", {{"kernel", "1"}});
         EXPECT_EQ(offProfile(caster, frame, image, grid(7), glm::dvec2(0.5 * kLightM), 1024), 0);
         const double casterEdgeM =
             caster.edgeM * (HalfPlane::kLightM - heightM) / HalfPlane::kLightM;
@@ -208,7 +208,7 @@ TEST_F(Pcf, HardwareComparisonLiesBetweenThoseOfItsTexels) {
     const HalfPlane caster;
     const TestFrame frame = caster.frame(0.8, 0.8);
     constexpr int kMapSize = 256;
-    const Image image =
+    const Visibility image =
         render(frame, "pcf", {{"map_size", "256"}, {"kernel", "0.5"}, {"compare", "hardware"}});
     const double texel = texelM(frame, 0.2, kMapSize, HalfPlane::kLightM);
     const auto at = [&](double x) { return profile(grid(7), 0, 0.2, caster.edgeM, x); };
@@ -246,11 +246,11 @@ TEST_F(Pcf, RotationIsEachPixelsOwn) {
     // Pixels in a row along the edge see the same: alike without rotation, each its own with it.
     const HalfPlane caster;
     const TestFrame frame = caster.frame(0.8, 0.8);
-    const Image still = render(frame, "pcf", {{"pattern", "vogel"}, {"taps", "2"}});
-    const Image turned =
+    const Visibility still = render(frame, "pcf", {{"pattern", "vogel"}, {"taps", "2"}});
+    const Visibility turned =
         render(frame, "pcf", {{"pattern", "vogel"}, {"taps", "2"}, {"rotation", "true"}});
     const int width = frame->width();
-    const auto changesAlongTheEdge = [&](const Image& image) {
+    const auto changesAlongTheEdge = [&](const Visibility& image) {
         return violations(frame, image, [&](float v, std::size_t i) {
             return i < static_cast<std::size_t>(width) || v == image[i - width];
         });
@@ -264,7 +264,7 @@ TEST_F(Pcf, TurnedKernelsKeepTheirReach) {
     // with the profile of some angle: between those of the diagonal moved either way.
     const HalfPlane caster;
     const TestFrame frame = caster.frame(0.8, 0.8);
-    const Image image = render(frame, "pcf", {{"kernel", "0.5"}, {"rotation", "true"}});
+    const Visibility image = render(frame, "pcf", {{"kernel", "0.5"}, {"rotation", "true"}});
     const double reachM = 0.2 * std::sqrt(2.0) * 6.0 / 7.0 +
                           0.51 * texelM(frame, 0.2 * std::sqrt(2.0), 1024, HalfPlane::kLightM);
     int partial = 0;
@@ -288,7 +288,7 @@ TEST_F(Pcf, ConcaveCreasesAreShadedByTheNextFacet) {
     shape.quad({0, -1, 0}, {1, -1, 1}, {1, 1, 1}, {0, 1, 0});
     const TestFrame frame({shape.geometry(), light},
                           planeGBuffer(64, 8, {-0.5, -0.3, 0}, {0.5, 0, 0}, {0, 0.6, 0}, light));
-    const Image image = render(frame, "pcf", {{"kernel", "0.5"}});
+    const Visibility image = render(frame, "pcf", {{"kernel", "0.5"}});
     // The ramp counts from where it is higher than the bias of half a texel's footprint; its texel
     // may lie half a texel aside, and is seen x / (2 - x) of its height to the side.
     const double reachM = 1.2 * texelM(frame, 0.2, 1024, 2.0);

@@ -18,13 +18,13 @@ const Assignments kDense = {{"map_size", "2048"}, {"blocker_taps", "256"}, {"fil
 
 using Truth = std::function<double(std::size_t pixel)>;
 
-double rmse(const TestFrame& frame, const Image& image, const Truth& truth) {
+double rmse(const TestFrame& frame, const Visibility& image, const Truth& truth) {
     double sum = 0.0;
     for (const std::size_t i : frame.asked()) sum += std::pow(image[i] - truth(i), 2.0);
     return std::sqrt(sum / static_cast<double>(frame.asked().size()));
 }
 
-double rmse(const TestFrame& frame, const Image& a, const Image& b) {
+double rmse(const TestFrame& frame, const Visibility& a, const Visibility& b) {
     return rmse(frame, a, [&](std::size_t i) { return b[i]; });
 }
 
@@ -109,7 +109,7 @@ TEST_F(Pcss, VisibilityFallsMonotonicallyAcrossAnEdge) {
     for (const double heightM : {0.05, 0.5, 1.2}) {
         const HalfPlane caster{heightM};
         const TestFrame frame = caster.frame(0.4, 0.3);
-        const Image image = render(frame, "pcss", kDense);
+        const Visibility image = render(frame, "pcss", kDense);
         const int width = frame->width();
         EXPECT_EQ(violations(frame, image,
                              [&](float v, std::size_t i) {
@@ -152,7 +152,7 @@ TEST_F(Pcss, AllBlockedIsDark) {
 
 TEST_F(Pcss, NoLightIsTheHardMap) {
     const TestFrame frame = Plate::frame(0.0, 0.0);
-    const Image hard = render(frame, "hard");
+    const Visibility hard = render(frame, "hard");
     EXPECT_EQ(render(frame, "pcss"), hard);
     EXPECT_EQ(render(frame, "pcss", {}, EffectChoice::parse("all")), hard);
     const TestFrame extended = Plate::frame(0.5, 0.3);
@@ -164,14 +164,14 @@ TEST_F(Pcss, KernelLimitsHold) {
     const TestFrame frame = Plate::frame(0.5, 0.5);
     // The caster's kernel is 0.6 / 1.4 of the light: limits on either side of it change nothing
     // but the places of the search's taps, which all see one depth.
-    const Image image = render(frame, "pcss", {{"max_kernel", "1"}});
+    const Visibility image = render(frame, "pcss", {{"max_kernel", "1"}});
     EXPECT_LE(
         rmse(frame, render(frame, "pcss", {{"max_kernel", "1"}, {"min_kernel", "0.4"}}), image),
         1e-3);
     EXPECT_EQ(violations(frame, render(frame, "pcss", {{"max_kernel", "0"}}),
                          [](float v, auto) { return v == 0.0f || v == 1.0f; }),
               0);
-    const auto blurred = [&](const Image& v) {
+    const auto blurred = [&](const Visibility& v) {
         return violations(frame, v, [](float x, auto) { return x == 0.0f || x == 1.0f; });
     };
     EXPECT_GT(blurred(render(frame, "pcss", {{"min_kernel", "0.9"}})), 1.5 * blurred(image));
@@ -180,13 +180,13 @@ TEST_F(Pcss, KernelLimitsHold) {
 
 TEST_F(Pcss, ScaleDoesNotMatter) {
     const TestFrame frame = Plate::frame(0.5, 0.3);
-    const Image image = render(frame, "pcss");
+    const Visibility image = render(frame, "pcss");
     for (const double factor : {1e-2, 1e2}) {
         const World world = scaled(Plate::world(0.5, 0.3), factor);
         const TestFrame other(
             world, planeGBuffer(96, 96, factor * glm::dvec3(-0.8, -0.8, 0.0), {factor * 1.6, 0, 0},
                                 {0, factor * 1.6, 0}, world.light));
-        const Image otherImage = render(other, "pcss");
+        const Visibility otherImage = render(other, "pcss");
         // Coordinates round anew: a tap in a pixel may fall into the next texel, at an edge.
         EXPECT_EQ(violations(
                       frame, image,
@@ -216,7 +216,7 @@ TEST_F(Pcss, TwoLayersHaveTheWidthOfTheirMean) {
     const World world{shape.geometry(), lightAbove(kLightM, kWidthM, kWidthM)};
     const TestFrame frame(
         world, planeGBuffer(192, 8, {-0.4, -0.1, 0.0}, {1.0, 0, 0}, {0, 0.2, 0}, world.light));
-    const Image image = render(frame, "pcss", kDense);
+    const Visibility image = render(frame, "pcss", kDense);
     // What the method computes, with the integrals in place of the taps: blockers at t + o, |o|
     // within their own kernel, weighted by the inverse square of it; then one kernel for both.
     const auto predicted = [&](double t) {
@@ -263,8 +263,8 @@ TEST_F(Pcss, PyramidAnswersAsTheTapsDo) {
         World world{cluttered.geometry(), lightAbove(3.0, widthM, 0.5 * widthM)};
         world.camera = lookingAt({1.5, -2.5, 2.5}, {0.0, 0.1, 0.2});
         const TestFrame frame(world, 128);
-        const Image taps = render(frame, "pcss", {{"pyramid", "narrow"}});
-        const Image image = render(frame, "pcss");
+        const Visibility taps = render(frame, "pcss", {{"pyramid", "narrow"}});
+        const Visibility image = render(frame, "pcss");
         // Bounds and comparisons round apart.
         EXPECT_LE(rmse(frame, image, taps), 1e-3) << widthM;
         EXPECT_GT(violations(frame, image, [](float v, auto) { return v == 1.0f; }), 50);
@@ -286,8 +286,8 @@ TEST_F(Pcss, EarlyOutsChangeNoBit) {
     const auto check = [](const TestFrame& frame, const Assignments& settings, const char* what) {
         Assignments narrow = settings;
         narrow.emplace_back("pyramid", "narrow");
-        const Image taps = render(frame, "pcss", narrow);
-        const Image image = render(frame, "pcss", settings);
+        const Visibility taps = render(frame, "pcss", narrow);
+        const Visibility image = render(frame, "pcss", settings);
         EXPECT_EQ(violations(frame, image, [&](float v, std::size_t i) { return v == taps[i]; }), 0)
             << what;
     };

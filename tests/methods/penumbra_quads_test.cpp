@@ -54,7 +54,7 @@ struct Slab {
 
 /// Width of the penumbra across x on the receiver z = `receiverM` at y of 0.2 to 0.6 metres: of the
 /// line fitted to visibilities from 0.2 to 0.8.
-double widthM(const TestFrame& frame, const Image& image) {
+double widthM(const TestFrame& frame, const Visibility& image) {
     double n = 0, sumX = 0, sumV = 0, sumXV = 0, sumVV = 0;
     for (const std::size_t i : frame.asked()) {
         const glm::dvec3 p(frame->gbuffer.position[i]);
@@ -66,14 +66,14 @@ double widthM(const TestFrame& frame, const Image& image) {
     return -(n * sumXV - sumX * sumV) / (n * sumVV - sumV * sumV);
 }
 
-double rmse(const TestFrame& frame, const Image& image, const auto& truth) {
+double rmse(const TestFrame& frame, const Visibility& image, const auto& truth) {
     double sum = 0.0;
     const std::vector<std::size_t> pixels = frame.asked();
     for (const std::size_t i : pixels) sum += std::pow(image[i] - truth(i), 2.0);
     return std::sqrt(sum / static_cast<double>(pixels.size()));
 }
 
-double greatestDifference(const TestFrame& frame, const Image& a, const Image& b) {
+double greatestDifference(const TestFrame& frame, const Visibility& a, const Visibility& b) {
     double most = 0.0;
     for (const std::size_t i : frame.asked())
         most = std::max(most, std::abs(static_cast<double>(a[i]) - static_cast<double>(b[i])));
@@ -116,7 +116,7 @@ TEST_F(PenumbraQuads, HalfAtTheHardEdgeFromBothSides) {
     const double penumbraM = width * kHeightM / (kLightM - kHeightM);
     // The value belongs to a texel's centre, up to half a texel off; a whole one for the filter.
     const double texel = texelM(frame, 0.0, 1024, kLightM);
-    const Image image = render(frame, "penumbra_quads");
+    const Visibility image = render(frame, "penumbra_quads");
     int before = 0, behind = 0;
     for (const std::size_t i : frame.asked()) {
         const double x = static_cast<double>(frame->gbuffer.position[i].x) - kShadowM;
@@ -130,7 +130,7 @@ TEST_F(PenumbraQuads, HalfAtTheHardEdgeFromBothSides) {
 
 TEST_F(PenumbraQuads, NoLightSizeIsTheHardMap) {
     const TestFrame point = Slab{0.25}.frame(0.0);
-    const Image hard = render(point, "hard");
+    const Visibility hard = render(point, "hard");
     EXPECT_EQ(render(point, "penumbra_quads"), hard);
     const TestFrame wide = Slab{0.25}.frame(0.4);
     EXPECT_EQ(render(wide, "penumbra_quads", {}, EffectChoice::parse("none")), hard);
@@ -187,7 +187,7 @@ TEST_F(PenumbraQuads, ThirdSurfaceStaysDark) {
         return planeGBuffer(64, 16, {0.02, -0.3, z}, {0.25, 0, 0}, {0, 0.6, 0}, light);
     };
     const TestFrame frame({shape.geometry(), light}, stacked({plane(0.51), plane(0.0)}));
-    const Image image = render(frame, "penumbra_quads");
+    const Visibility image = render(frame, "penumbra_quads");
     int second = 0;
     for (std::size_t i = 0; i < 64 * 16; ++i) second += image[i] > 0.05f && image[i] < 0.5f;
     EXPECT_GT(second, 200) << "the second surface has the upper plate's inner penumbra";
@@ -232,7 +232,7 @@ TEST_F(PenumbraQuads, OrderOfDrawingDoesNotMatter) {
               1e-4);
     // ... which may take the place asked beside an edge from a texel to the next: of 16384 pixels,
     // the few whose place lies on a texel's border at another plate's rim.
-    const Image image = render(other, "penumbra_quads");
+    const Visibility image = render(other, "penumbra_quads");
     EXPECT_LE(violations(frame, render(frame, "penumbra_quads"),
                          [&](float v, std::size_t i) { return std::abs(v - image[i]) < 1e-4; }),
               8);
@@ -270,7 +270,7 @@ TEST_F(PenumbraQuads, SeamsCastFalsePenumbraeUnlessWelded) {
     const TestFrame frame(
         world, planeGBuffer(64, 64, {-0.4, -0.4, 0}, {0.8, 0, 0}, {0, 0.8, 0}, world.light));
     EXPECT_EQ(unequal(frame, render(frame, "penumbra_quads", paper()), 0.0f), 0);
-    const Image loose = render(frame, "penumbra_quads", paper({{"weld", "false"}}));
+    const Visibility loose = render(frame, "penumbra_quads", paper({{"weld", "false"}}));
     // Half visibility along the seam, where there is none, less what 6 mm between pixels and the
     // seam are of its 67 mm.
     EXPECT_GT(*std::ranges::max_element(loose), 0.35f);
@@ -306,7 +306,7 @@ TEST_F(PenumbraQuads, AveragedNormalsAreNarrowAtRightAngles) {
         planeGBuffer(128, 8, {(edge + 0.01) * along, (edge - 0.01) * along, 0},
                      {outM * along, outM * along, 0}, {-0.02 * along, 0.02 * along, 0}, light));
     const auto reach = [&](const char* corners) {
-        const Image image =
+        const Visibility image =
             render(frame, "penumbra_quads", {{"corners", corners}, {"profile", "linear"}});
         double lit = 0.0;
         for (const float v : image) lit += 2.0 * (1.0 - v) / static_cast<double>(image.size());
@@ -332,10 +332,10 @@ TEST_F(PenumbraQuads, EdgeOnFacesHaveOneQuad) {
     for (const glm::dvec2& place :
          {glm::dvec2(0.1, 0.0), glm::dvec2(0.1, 0.2), glm::dvec2(0.5, 0.6)}) {
         // As float rounds the box, so that the centre is in its planes indeed.
-        const Image exactly = at(glm::dvec2(glm::vec2(place)));
+        const Visibility exactly = at(glm::dvec2(glm::vec2(place)));
         double least = 1.0;
         for (const double beside : {-1e-4, 1e-4}) {
-            const Image other = at(glm::dvec2(glm::vec2(place)) + beside);
+            const Visibility other = at(glm::dvec2(glm::vec2(place)) + beside);
             double sum = 0.0;
             for (std::size_t i = 0; i < other.size(); ++i)
                 sum += std::pow(other[i] - exactly[i], 2.0);
@@ -385,7 +385,7 @@ TEST_F(PenumbraQuads, BadMeshesAreCountedAndDrawnLikeTheirCleanSelves) {
     Shape clean = floor;
     clean.box({-0.4, -0.3, 0.5}, {0.3, 0.4, 0.6});
     const TestFrame frame = seenOnFloor(overFloor(clean.geometry()));
-    const Image truth = render(frame, "penumbra_quads");
+    const Visibility truth = render(frame, "penumbra_quads");
     const auto differs = [&](const Shape& shape, const char* message) {
         const TestFrame other = seenOnFloor(overFloor(shape.geometry()));
         EXPECT_EQ(messageFor(other), message);
@@ -423,7 +423,7 @@ TEST_F(PenumbraQuads, BadMeshesAreCountedAndDrawnLikeTheirCleanSelves) {
 
     Shape finned = clean;  // a fin on the roof, inside its outline: a fan of three faces
     finned.quad({-0.4, -0.3, 0.6}, {0.3, -0.3, 0.6}, {0.3, -0.3, 0.7}, {-0.4, -0.3, 0.7});
-    const Image fin = render(seenOnFloor(overFloor(finned.geometry())), "penumbra_quads");
+    const Visibility fin = render(seenOnFloor(overFloor(finned.geometry())), "penumbra_quads");
     EXPECT_EQ(messageFor(seenOnFloor(overFloor(finned.geometry()))),
               "40 edges: 3 open edges, 1 non-manifold edges");
     EXPECT_EQ(violations(frame, fin, [](float v, std::size_t) { return v >= 0.0f && v <= 1.0f; }),
@@ -452,7 +452,7 @@ TEST_F(PenumbraQuads, WiresKeepADarkCoreOfAHalf) {
     const double penumbraM = width * kHeightM / (kLightM - kHeightM);
     const double shadowM = wire * kLightM / (kLightM - kHeightM);
     const double texel = texelM(frame, 0.0, 1024, kLightM);
-    const Image image = render(frame, "penumbra_quads");
+    const Visibility image = render(frame, "penumbra_quads");
     double darkest = 1.0;
     for (const std::size_t i : frame.asked()) {
         const double x = static_cast<double>(frame->gbuffer.position[i].x);
@@ -477,7 +477,7 @@ TEST_F(PenumbraQuads, InnerQuadsReachPastNarrowParts) {
     const TestFrame frame(world, planeGBuffer(64, 8, {umbraM, -0.05, 0}, {toM - umbraM, 0, 0},
                                               {0, 0.1, 0}, world.light));
     const double penumbraM = width * kHeightM / (kLightM - kHeightM);
-    const Image image = render(frame, "penumbra_quads");
+    const Visibility image = render(frame, "penumbra_quads");
     const double texel = texelM(frame, 0.0, 1024, kLightM);
     for (const std::size_t i : frame.asked()) {
         const double x = static_cast<double>(frame->gbuffer.position[i].x);
@@ -520,6 +520,8 @@ TEST_F(PenumbraQuads, PreparingAgainChangesNothing) {
 TEST_F(PenumbraQuads, RefusesWhatItCannotDraw) {
     World masked = overFloor(overlappingPlates().geometry());
     masked.materials[0].masked = true;
+    EXPECT_NO_THROW(render(seenOnFloor(masked), "penumbra_quads")) << "nothing is cut out";
+    masked.materials[0].baseColor.a = 0.25f;
     EXPECT_THROW(render(seenOnFloor(masked), "penumbra_quads"), Unsupported);
 
     // A wall beside the light, whose upper part lies 84 degrees off its normal.

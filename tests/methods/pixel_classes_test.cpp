@@ -88,7 +88,7 @@ TEST_F(PixelClassesTest, LitTilesAreLitForRays) {
         World world{shape.geometry(), lightAbove(3.0, widthM, 0.5 * widthM)};
         world.camera = lookingAt({1.5, -2.5, 2.5}, {0.0, 0.1, 0.2});
         const TestFrame frame(world, 126);  // no multiple of a tile
-        const Image traced = render(frame, "ray_traced", {{"rays", "64"}});
+        const Visibility traced = render(frame, "ray_traced", {{"rays", "64"}});
         const Classes classes(frame, PixelClasses::Dark::no);
         const int wrong = violations(frame, traced, [&](float v, std::size_t i) {
             return classes.of(frame, i) != Class::lit || v == 1.0f;

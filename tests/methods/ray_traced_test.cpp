@@ -38,7 +38,7 @@ struct Errors {
 };
 
 /// Against the closed form, over the penumbra: elsewhere there is no error to see.
-Errors errors(const SkewEdge& caster, const TestFrame& frame, const Image& image) {
+Errors errors(const SkewEdge& caster, const TestFrame& frame, const Visibility& image) {
     Errors e;
     for (const std::size_t i : frame.asked()) {
         const double truth = caster.truth(frame, i);
@@ -76,8 +76,8 @@ TEST_F(RayTraced, IsUnbiasedAtAnyNumberOfRays) {
 
 TEST_F(RayTraced, SeedsAreIndependent) {
     const SkewEdge caster;
-    const Image a = render(caster.frame(1), "ray_traced"),
-                b = render(caster.frame(2), "ray_traced");
+    const Visibility a = render(caster.frame(1), "ray_traced"),
+                     b = render(caster.frame(2), "ray_traced");
     const TestFrame frame = caster.frame();
     double both = 0.0, each = 0.0;
     for (const std::size_t i : frame.asked()) {

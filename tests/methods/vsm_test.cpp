@@ -179,7 +179,7 @@ TestFrame piecesOverFloor(double lightM) {
 TEST_F(Vsm, BoundsPercentageCloserFilteringFromAbove) {
     const TestFrame frame = piecesOverFloor(0.6);
     const DepthMap map(frame, 1.0, 128);
-    const Image image = render(
+    const Visibility image = render(
         frame, "vsm", bare({{"map_size", "128"}, {"kernel_size", "1"}, {"min_variance", "0"}}));
     int looser = 0;
     // Without a least variance the table's rounding, 4e-6 for boxes of 26 x 26 texels, shifts V by
@@ -200,11 +200,11 @@ TEST_F(Vsm, EqualsPercentageCloserFilteringOfOneCaster) {
         for (const char* subdivisions : {"1", "3", "4"}) {
             const TestFrame frame = HalfPlane{}.frame(0.6, 0.4, 48);
             const DepthMap map(frame, 1.0, 128);
-            const Image image = render(frame, "vsm",
-                                       bare({{"map_size", "128"},
-                                             {"kernel_size", "1"},
-                                             {"subdivisions", subdivisions},
-                                             {"prefilter", prefilter}}));
+            const Visibility image = render(frame, "vsm",
+                                            bare({{"map_size", "128"},
+                                                  {"kernel_size", "1"},
+                                                  {"subdivisions", subdivisions},
+                                                  {"prefilter", prefilter}}));
             // Both depths differ by a quarter of the range, whose square is 1000 times the least
             // variance of 2 * (4e-6 + 1e-7).
             EXPECT_EQ(violations(frame, image,
@@ -232,10 +232,11 @@ TEST_F(Vsm, BleedsAsTheInequalitySays) {
         const TestFrame frame(
             {shape.geometry(), light},
             planeGBuffer(kColumns, 3, {-1, -1, receiver}, {2, 0, 0}, {0, 2, 0}, light));
-        const Image image = render(frame, "vsm", bare({{"kernel_size", "1"}}));
+        const Visibility image = render(frame, "vsm", bare({{"kernel_size", "1"}}));
         EXPECT_NEAR(image[kColumns + kColumns / 2], leak, 1e-3) << c;
         // Light-bleeding reduction takes away what is below it, and stretches the rest.
-        const Image reduced = render(frame, "vsm", bare({{"kernel_size", "1"}, {"bleed", "0.15"}}));
+        const Visibility reduced =
+            render(frame, "vsm", bare({{"kernel_size", "1"}, {"bleed", "0.15"}}));
         EXPECT_NEAR(reduced[kColumns + kColumns / 2], std::max(0.0, (leak - 0.15) / 0.85), 1.2e-3)
             << c;
     }
@@ -249,9 +250,9 @@ TEST_F(Vsm, RangeOfDepthsDoesNotMatter) {
     shape.rectangle({0.1, -5.0}, {5.0, 5.0}, 0.5);
     const auto floor = planeGBuffer(48, 48, {-0.8, -0.8, 0.0}, {1.6, 0, 0}, {0, 1.6, 0}, light);
     const auto below = planeGBuffer(48, 4, {-0.1, -0.1, -3.0}, {0.2, 0, 0}, {0, 0.2, 0}, light);
-    const Image image = render({{shape.geometry(), light}, floor}, "vsm", bare());
+    const Visibility image = render({{shape.geometry(), light}, floor}, "vsm", bare());
     const TestFrame deeper({shape.geometry(), light}, stacked({floor, below}));
-    const Image other = render(deeper, "vsm", bare());
+    const Visibility other = render(deeper, "vsm", bare());
     int compared = 0;
     for (std::size_t i = 0; i < image.size(); ++i) {
         // The least variance, 1e-5 of either range, over the smaller squared distance of 0.2^2.
@@ -270,7 +271,7 @@ TEST_F(Vsm, FlatReceiversAreLitInEveryFormatAndPrefilter) {
                           planeGBuffer(48, 48, {-0.8, -0.8, 0}, {1.6, 0, 0}, {0, 1.6, 0}, light));
     for (const char* prefilter : {"sat_uint", "sat_float", "mipmap", "box", "gaussian"})
         for (const char* format : {"rg32f", "rg16f", "rg16"}) {
-            const Image image =
+            const Visibility image =
                 render(frame, "vsm",
                        bare({{"prefilter", prefilter}, {"format", format}, {"map_size", "128"}}));
             // A depth is off by half a step q, the least variance is 2 q': q^2 / 4 / 2 q'.
@@ -284,11 +285,11 @@ TEST_F(Vsm, SlopesOfAnySteepnessStayLit) {
         for (const char* kernel : {"fixed", "pcss"})
             for (const char* subdivisions : {"1", "4"}) {
                 const TestFrame frame = TiltedPlane{tiltDeg}.frame(0.3);
-                const Image image = render(frame, "vsm",
-                                           {{"kernel", kernel},
-                                            {"kernel_size", "1"},
-                                            {"subdivisions", subdivisions},
-                                            {"map_size", "128"}});
+                const Visibility image = render(frame, "vsm",
+                                                {{"kernel", kernel},
+                                                 {"kernel_size", "1"},
+                                                 {"subdivisions", subdivisions},
+                                                 {"map_size", "128"}});
                 EXPECT_EQ(violations(frame, image,
                                      [](float v, std::size_t i) {
                                          return i >= TiltedPlane::kPixels || v == 1.0f;
@@ -350,7 +351,7 @@ TEST_F(Vsm, PenumbraOfOneParallelCasterIsExact) {
             caster.heightM = heightM;
             const glm::dvec2 light(0.8, 0.2);
             const TestFrame frame = caster.frame(light.x, light.y, 128);
-            const Image image =
+            const Visibility image =
                 render(frame, "vsm",
                        {{"search", "1"}, {"bleed", "0"}, {"bias", "0"}, {"map_size", "1024"}});
             const double casterEdgeM =
@@ -387,7 +388,7 @@ TEST_F(Vsm, PenumbraOnASlopeRunsOneWay) {
         const TestFrame frame(
             {shape.geometry(), light},
             planeGBuffer(kColumns, 3, -0.6 * (up + along), 1.2 * up, 1.2 * along, light));
-        const Image image = render(frame, "vsm");
+        const Visibility image = render(frame, "vsm");
         EXPECT_EQ(image[0], 1.0f);
         EXPECT_LT(image[kColumns - 1], 0.01f);
         // A step of a texel may pass between pixels, 1/40 of the penumbra.
@@ -400,14 +401,14 @@ TEST_F(Vsm, PrefiltersAgreeOnOneCaster) {
     const TestFrame frame = HalfPlane{}.frame(0.8, 0.8);
     for (const char* kernel : {"fixed", "pcss"}) {
         const Assignments base = {{"kernel", kernel}, {"kernel_size", "0.4"}, {"bleed", "0"}};
-        const Image image = render(frame, "vsm", base);
+        const Visibility image = render(frame, "vsm", base);
         // Another profile of the same variance: a Gaussian's differs from the box's by up to 0.06,
         // the tents and steps of mip levels by more; pcss scales kernels by what it finds.
         for (const auto& [prefilter, most] :
              {std::pair{"sat_float", 0.01}, {"box", 0.12}, {"gaussian", 0.12}, {"mipmap", 0.12}}) {
             Assignments other = base;
             other.emplace_back("prefilter", prefilter);
-            const Image filtered = render(frame, "vsm", other);
+            const Visibility filtered = render(frame, "vsm", other);
             EXPECT_EQ(violations(frame, filtered,
                                  [&, limit = most](float v, std::size_t i) {
                                      return std::abs(v - image[i]) < limit;
@@ -419,7 +420,7 @@ TEST_F(Vsm, PrefiltersAgreeOnOneCaster) {
 }
 
 TEST_F(Vsm, LightWithoutExtentIsTheHardMap) {
-    const Image hard = render(HalfPlane{}.frame(0.0, 0.0), "hard", {{"map_size", "512"}});
+    const Visibility hard = render(HalfPlane{}.frame(0.0, 0.0), "hard", {{"map_size", "512"}});
     EXPECT_EQ(render(HalfPlane{}.frame(0.0, 0.0), "vsm"), hard);
     EXPECT_EQ(
         render(HalfPlane{}.frame(0.8, 0.8), "vsm", {{"kernel", "fixed"}, {"kernel_size", "0"}}),

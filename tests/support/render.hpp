@@ -13,7 +13,7 @@
 
 namespace penumbra::test {
 
-using Image = std::vector<float>;
+using Visibility = std::vector<float>;
 
 /// A prepared method, rendering as the harness does: the target is poisoned first and OpenGL errors
 /// throw.
@@ -28,7 +28,7 @@ class Renderer {
         gl::checkErrors(id + ": prepare");
     }
 
-    Image operator()(const TestFrame& frame) {
+    Visibility operator()(const TestFrame& frame) {
         const TextureTarget target(frame->width(), frame->height());
         target.poison();
         method_->build(*frame, plan_);
@@ -42,26 +42,26 @@ class Renderer {
     Plan plan_;
 };
 
-inline Image render(const TestFrame& frame, const std::string& id,
-                    const Assignments& assignments = {}, const EffectChoice& effects = {}) {
+inline Visibility render(const TestFrame& frame, const std::string& id,
+                         const Assignments& assignments = {}, const EffectChoice& effects = {}) {
     return Renderer(frame, id, assignments, effects)(frame);
 }
 
 /// How many of the pixels that are asked about fail `holds(visibility, pixel)`; NaN fails any
 /// comparison.
 template <class Predicate>
-int violations(const TestFrame& frame, const Image& image, const Predicate& holds) {
+int violations(const TestFrame& frame, const Visibility& image, const Predicate& holds) {
     const std::vector<std::size_t> pixels = frame.asked();
     EXPECT_FALSE(pixels.empty()) << "nothing is asked: the test could not fail";
     return static_cast<int>(
         std::ranges::count_if(pixels, [&](std::size_t i) { return !holds(image[i], i); }));
 }
 
-inline int outOfRange(const TestFrame& frame, const Image& image) {
+inline int outOfRange(const TestFrame& frame, const Visibility& image) {
     return violations(frame, image, [](float v, std::size_t) { return v >= 0.0f && v <= 1.0f; });
 }
 
-inline int unequal(const TestFrame& frame, const Image& image, float value) {
+inline int unequal(const TestFrame& frame, const Visibility& image, float value) {
     return violations(frame, image, [&](float v, std::size_t) { return v == value; });
 }
 

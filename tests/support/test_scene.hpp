@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/effects/effects.hpp"
+#include "core/analysis/frame_analysis.hpp"
 #include "core/frame/frame.hpp"
 #include "tests/support/procedural.hpp"
 
@@ -85,6 +85,24 @@ inline GBuffer stacked(const std::vector<GBuffer>& parts) {
     return all;
 }
 
+/// The world as a scene.
+class MemoryScene : public Scene {
+  public:
+    explicit MemoryScene(const World& world)
+        : frame_{0.0, world.geometry, world.light, world.camera} {
+        id = "memory";
+        materials = world.materials;
+        images = world.images;
+        origin = world.origin;
+        radiusM = boundsOf(world.geometry->positions).radius();
+    }
+    int frameCount() const override { return 1; }
+    SceneFrame frame(int) const override { return frame_; }
+
+  private:
+    SceneFrame frame_;
+};
+
 /// A world and the points that are asked about, with all that a Frame refers to. Needs a context.
 class TestFrame {
   public:
@@ -96,40 +114,23 @@ class TestFrame {
           textures_(uploadGBuffer(gbuffer_)),
           gpuMaterials_(scene_.materials, scene_.images),
           gpuGeometry_(world.geometry, gpuMaterials_),
-          frame_{scene_,       0,
-                 world.light,  boundLight(world.light, gbuffer_, *world.geometry),
-                 world.camera, world.geometry,
-                 tracer_,      gbuffer_,
-                 textures_,    gpuGeometry_,
-                 world.seed} {}
+          bounds_(boundLight(world.light, gbuffer_, *world.geometry)),
+          analysis_(analyseFrame(scene_, tracer_, world.light, gbuffer_, bounds_)),
+          frame_{
+              scene_,  0,        world.light, bounds_,      world.camera,          world.geometry,
+              tracer_, gbuffer_, textures_,   gpuGeometry_, analysis_.casterFacts, world.seed} {}
     TestFrame(const World& world, int size) : TestFrame(world, seen(world, size)) {}
     TestFrame(const TestFrame&) = delete;
     TestFrame& operator=(const TestFrame&) = delete;
 
     const Frame& operator*() const { return frame_; }
     const Frame* operator->() const { return &frame_; }
-    EffectSet calledFor() const { return effectsCalledFor(scene_, scene_.frame(0)); }
+    EffectSet calledFor() const { return analysis_.calledFor(); }
+    const FrameAnalysis& analysis() const { return analysis_; }
 
     std::vector<std::size_t> asked() const { return gbuffer_.asked(); }
 
   private:
-    class MemoryScene : public Scene {
-      public:
-        explicit MemoryScene(const World& world)
-            : frame_{0.0, world.geometry, world.light, world.camera} {
-            id = "memory";
-            materials = world.materials;
-            images = world.images;
-            origin = world.origin;
-            radiusM = boundsOf(world.geometry->positions).radius();
-        }
-        int frameCount() const override { return 1; }
-        SceneFrame frame(int) const override { return frame_; }
-
-      private:
-        SceneFrame frame_;
-    };
-
     static GBuffer seen(const World& world, int size) {
         const MemoryScene scene(world);
         const Tracer tracer(world.geometry, scene.materials, scene.images);
@@ -142,6 +143,8 @@ class TestFrame {
     GBufferTextures textures_;
     GpuMaterials gpuMaterials_;
     GpuGeometry gpuGeometry_;
+    LightBounds bounds_;
+    FrameAnalysis analysis_;
     Frame frame_;
 };
 

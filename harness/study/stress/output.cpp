@@ -7,6 +7,7 @@
 #include <map>
 
 #include "core/error.hpp"
+#include "harness/report/escape.hpp"
 #include "harness/run/files.hpp"
 #include "harness/run/run_folder.hpp"
 #include "harness/study/stress/invariants.hpp"
@@ -21,10 +22,6 @@ std::string replaced(const std::string& text, const std::map<char, std::string>&
         out += at == by.end() ? std::string(1, c) : at->second;
     }
     return out;
-}
-
-std::string xml(const std::string& text) {
-    return replaced(text, {{'&', "&amp;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'"', "&quot;"}});
 }
 
 std::string markdown(const std::string& text) {
@@ -182,9 +179,9 @@ std::string junitText(const Matrix& matrix) {
         matrix.cells.size(), count([](const Cell& c) { return c.wrong(); }),
         count([](const Cell& c) { return c.status == Status::notApplicable; }));
     for (const Cell& cell : matrix.cells) {
-        text += fmt::format("<testcase classname=\"stress.{}\" name=\"{}\"", xml(cell.hardCase),
-                            xml(cell.method));
-        const std::string what = xml(sentence(cell));
+        text += fmt::format("<testcase classname=\"stress.{}\" name=\"{}\"", xmlEscaped(cell.hardCase),
+                            xmlEscaped(cell.method));
+        const std::string what = xmlEscaped(sentence(cell));
         if (cell.wrong())
             text += fmt::format("><failure message=\"{}\"/></testcase>\n", what);
         else if (cell.status == Status::notApplicable)

@@ -93,8 +93,11 @@ Asset assetOf(const SmallScene& scene) {
     asset.nodes = {root};
     for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
         const auto geometry = shapeOf(scene.bodies[i]).geometry();
-        AssetPrimitive primitive{geometry->positions, geometry->normals, geometry->uvs,
-                                 geometry->indices, 0};
+        AssetPrimitive primitive;
+        primitive.positions = geometry->positions;
+        primitive.normals = geometry->normals;
+        primitive.uvs = geometry->uvs;
+        primitive.indices = geometry->indices;
         if (scene.mesh.split) splitEveryOther(primitive);
         if (scene.mesh.duplicated) duplicate(primitive);
         if (scene.mesh.shuffled) shuffleTriangles(primitive);

@@ -16,7 +16,7 @@ class StageFrame {
     StageFrame(std::shared_ptr<const Scene> scene, int index, int size, std::uint32_t seed);
 
     const Frame& frame() const { return staged_.frame; }
-    EffectSet calledFor() const { return staged_.calledFor; }
+    EffectSet calledFor() const { return staged_.analysis.calledFor(); }
     /// Pixels that a method must answer for.
     const std::vector<std::size_t>& asked() const { return asked_; }
     /// Exact visibility (harness/reference/exact.hpp); made on first use.
