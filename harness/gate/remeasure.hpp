@@ -22,8 +22,10 @@ struct Remeasured {
 /// Writes progress to standard error.
 Remeasured measureAgain(const JudgedRun& run, const Verdict& verdict);
 
-/// The first verdict with every failed gate judged anew by what was measured again: one that fails
-/// no more has `recovered`; each says what became of it.
+/// The first verdict with every failed gate judged anew by what was measured again; each says what
+/// became of it. A time or a failed cell that fails no more has `recovered`. Accuracy, work and
+/// effects do not depend on chance: where they pass the second time only, the run's rows are not
+/// this program's (edited by hand, say), and the gate fails as at first.
 Verdict judgeAgain(const Verdict& first, const Remeasured& again, const Baseline& baseline,
                    const Thresholds& thresholds);
 

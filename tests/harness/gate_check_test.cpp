@@ -125,6 +125,23 @@ TEST_F(GateCheck, AnInjectedSlowDownFailsOnlyIfItIsSlowTwice) {
     EXPECT_THAT(once.out, Not(HasSubstr("re-measured")));
 }
 
+TEST_F(GateCheck, ALeakThatOnlyTheFileHasFails) {
+    measured("before", {"fake_leaky"});
+    approved("before");
+    measured("edited", {"fake_leaky"});
+    const std::vector<Row> rows = readCsv(path("edited/results.csv"));
+    std::filesystem::remove(path("edited/results.csv"));
+    CsvAppender edited(path("edited/results.csv"));
+    for (Row row : rows) {
+        row.metrics.rmse = *row.metrics.rmse + 0.1;
+        edited.add(row);
+    }
+    const Checked done = checked("edited");
+    EXPECT_EQ(done.code, 1);
+    EXPECT_THAT(done.out, AllOf(HasSubstr("FAIL edge frame 0 fake_leaky: accuracy\n    rmse "),
+                                HasSubstr("    re-measured it passes, but what is not a time")));
+}
+
 TEST_F(GateCheck, ARunMadeElsewhereIsNotMeasuredAgain) {
     measured("before", {"fake_leaky"});
     approved("before");
