@@ -306,7 +306,11 @@ class PenumbraQuads : public ShadowMethod {
         silhouette_.set("boundQuads", boundsQuads());
         outline_.bind();
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, draw_.id());
-        glDispatchCompute(static_cast<GLuint>(outline_.count() + 63) / 64, 1, 1);
+        // In rows, for no side of a dispatch need take more than 65535 groups.
+        constexpr GLuint kGroupsAcross = 16384;
+        const GLuint groups = static_cast<GLuint>(outline_.count() + 63) / 64;
+        glDispatchCompute(std::min(groups, kGroupsAcross),
+                          (groups + kGroupsAcross - 1) / kGroupsAcross, 1);
         glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
     }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <tbb/parallel_for.h>
+
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -25,23 +27,23 @@ class QuadOutline {
     }
 
     void upload(const std::vector<OutlineEdge>& outline) {
-        std::vector<GpuEdge> edges;
-        edges.reserve(outline.size());
-        for (const OutlineEdge& e : outline)
-            edges.push_back({glm::vec4(e.a, static_cast<float>(e.forward[0] + 2 * e.forward[1])),
-                             glm::vec4(e.b, std::bit_cast<float>(e.piece)),
-                             glm::vec4(e.stretchA, 0.0f),
-                             glm::vec4(e.stretchB, 0.0f),
-                             {e.planes[0], e.planes[1]}});
-        edges_ = gl::Buffer::create(edges.size() * sizeof(GpuEdge), edges.data());
-        if (count_ == static_cast<int>(edges.size())) return;
-        count_ = static_cast<int>(edges.size());
-        silhouettes_ = gl::Buffer::create(edges.size() * sizeof(GpuSilhouette), nullptr);
-        std::vector<std::uint32_t> indices;
-        indices.reserve(edges.size() * kQuadIndices.size());
-        for (std::uint32_t i = 0; i < edges.size(); ++i)
-            for (const std::uint32_t point : kQuadIndices) indices.push_back(6 * i + point);
-        indices_ = gl::Buffer::create(indices.size() * sizeof(std::uint32_t), indices.data());
+        edges_ = filled<GpuEdge>(outline.size(), [&](std::size_t i) {
+            const OutlineEdge& e = outline[i];
+            return GpuEdge{glm::vec4(e.a, static_cast<float>(e.forward[0] + 2 * e.forward[1])),
+                           glm::vec4(e.b, std::bit_cast<float>(e.piece)),
+                           glm::vec4(e.stretchA, 0.0f),
+                           glm::vec4(e.stretchB, 0.0f),
+                           {e.planes[0], e.planes[1]}};
+        });
+        if (count_ == static_cast<int>(outline.size())) return;
+        count_ = static_cast<int>(outline.size());
+        silhouettes_ = gl::Buffer::create(outline.size() * sizeof(GpuSilhouette), nullptr);
+        using Quad = std::array<std::uint32_t, kQuadIndices.size()>;
+        indices_ = filled<Quad>(outline.size(), [](std::size_t i) {
+            Quad quad = kQuadIndices;
+            for (std::uint32_t& point : quad) point += 6 * static_cast<std::uint32_t>(i);
+            return quad;
+        });
         glVertexArrayElementBuffer(quads_.id(), indices_.id());
     }
 
@@ -65,6 +67,19 @@ class QuadOutline {
     /// Triangles of the six points of an edge, b's the other way round.
     static constexpr std::array<std::uint32_t, 12> kQuadIndices = {0, 2, 1, 0, 1, 4,
                                                                    0, 4, 5, 5, 4, 3};
+
+    /// Of `count` elements, written where they stay: of ten million triangles a copy is a gigabyte.
+    template <class Element, class Make>
+    static gl::Buffer filled(std::size_t count, const Make& make) {
+        const std::size_t bytes = count * sizeof(Element);
+        gl::Buffer buffer = gl::Buffer::create(bytes, nullptr, GL_MAP_WRITE_BIT);
+        if (count == 0) return buffer;
+        auto* const out = static_cast<Element*>(glMapNamedBufferRange(
+            buffer.id(), 0, static_cast<GLsizeiptr>(bytes), GL_MAP_WRITE_BIT));
+        tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) { out[i] = make(i); });
+        glUnmapNamedBuffer(buffer.id());
+        return buffer;
+    }
 
     gl::VertexArray quads_;
     gl::Buffer edges_, silhouettes_, indices_;

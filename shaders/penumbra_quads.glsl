@@ -163,7 +163,8 @@ float farthestReceiver(vec3 a, vec3 b, vec2 offsets[4], float direction) {
 #endif
 
 void main() {
-    uint index = gl_GlobalInvocationID.x;
+    uint across = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
+    uint index = gl_GlobalInvocationID.y * across + gl_GlobalInvocationID.x;
     if (index >= uint(edgeCount)) return;
     Edge edge = edges[index];
     int bits = int(edge.a.w);

@@ -1,6 +1,7 @@
 #include "core/scene/edge_adjacency.hpp"
 
 #include <fmt/format.h>
+#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +12,7 @@
 
 #include "core/error.hpp"
 #include "core/scene/face_geometry.hpp"
+#include "core/scene/vertex_grid.hpp"
 
 namespace penumbra {
 namespace {
@@ -100,7 +102,7 @@ class EdgeAdjacency::Builder {
             const glm::vec3& p = geometry_.positions[i];
             return std::tuple(p.x, p.y, p.z, group[i]);
         };
-        std::ranges::sort(order, [&](std::uint32_t i, std::uint32_t j) {
+        tbb::parallel_sort(order, [&](std::uint32_t i, std::uint32_t j) {
             return std::tuple(key(i), i) < std::tuple(key(j), j);
         });
         for (std::size_t k = 1; k < n; ++k)
@@ -110,26 +112,36 @@ class EdgeAdjacency::Builder {
     /// Faces with an area, each set of three vertices once; walls_ are those that were there from
     /// both sides.
     void makeFaces() {
-        std::vector<std::pair<std::array<std::uint32_t, 3>, Face>> sorted;
-        for (std::size_t i = 0; i + 2 < geometry_.indices.size(); i += 3) {
-            Face face;
-            for (std::size_t k = 0; k < 3; ++k)
-                face.vertices[k] = vertexOf_[geometry_.indices[i + k]];
-            const double area = glm::length(areaVector(geometry_, face.vertices));
-            if (!(area > 0.0)) {
+        struct Triangle {
+            std::array<std::uint32_t, 3> key;  ///< its vertices, sorted
+            std::uint32_t first;               ///< of its indices
+        };
+        const auto verticesAt = [&](std::uint32_t first) {
+            std::array<std::uint32_t, 3> vertices;
+            for (std::uint32_t k = 0; k < 3; ++k)
+                vertices[k] = vertexOf_[geometry_.indices[first + k]];
+            return vertices;
+        };
+        std::vector<Triangle> sorted;
+        sorted.reserve(geometry_.triangleCount());
+        for (std::uint32_t i = 0; i + 2 < geometry_.indices.size(); i += 3) {
+            std::array<std::uint32_t, 3> key = verticesAt(i);
+            if (!(glm::length(areaVector(geometry_, key)) > 0.0)) {
                 ++out_.defects_.degenerate;
                 continue;
             }
-            std::array<std::uint32_t, 3> key = face.vertices;
             std::ranges::sort(key);
-            sorted.emplace_back(key, face);
+            sorted.push_back({key, i});
         }
         if (weld_)
-            std::ranges::stable_sort(sorted, {}, [](const auto& entry) { return entry.first; });
+            tbb::parallel_sort(sorted, [](const Triangle& l, const Triangle& r) {
+                return std::tie(l.key, l.first) < std::tie(r.key, r.first);
+            });
+        out_.faces_.reserve(sorted.size());
         for (std::size_t i = 0; i < sorted.size();) {
             std::size_t end = i + 1;
-            while (weld_ && end < sorted.size() && sorted[end].first == sorted[i].first) ++end;
-            out_.faces_.push_back(sorted[i].second);
+            while (weld_ && end < sorted.size() && sorted[end].key == sorted[i].key) ++end;
+            out_.faces_.push_back({.vertices = verticesAt(sorted[i].first)});
             walls_.push_back(end - i > 1);
             out_.defects_.backToBack += end - i - 1;
             i = end;
@@ -137,7 +149,7 @@ class EdgeAdjacency::Builder {
     }
 
     void findEdges() {
-        halfEdges_.clear();
+        halfEdges_.reserve(3 * out_.faces_.size());
         for (std::uint32_t f = 0; f < out_.faces_.size(); ++f)
             for (std::size_t k = 0; k < 3; ++k) {
                 const std::uint32_t from = out_.faces_[f].vertices[k],
@@ -147,12 +159,16 @@ class EdgeAdjacency::Builder {
         groupHalfEdges();
     }
 
+    /// Uses halfEdges_ up.
     void groupHalfEdges() {
-        std::ranges::sort(halfEdges_, {}, [](const HalfEdge& h) {
+        const auto key = [](const HalfEdge& h) {
             return std::tuple(h.a, h.b, h.use.face, h.use.forward);
-        });
+        };
+        tbb::parallel_sort(halfEdges_,
+                           [&](const HalfEdge& l, const HalfEdge& r) { return key(l) < key(r); });
         out_.edges_.clear();
         out_.uses_.clear();
+        out_.uses_.reserve(halfEdges_.size());
         for (const HalfEdge& half : halfEdges_) {
             if (out_.edges_.empty() || out_.edges_.back().a != half.a ||
                 out_.edges_.back().b != half.b)
@@ -161,6 +177,7 @@ class EdgeAdjacency::Builder {
             ++out_.edges_.back().useCount;
             out_.uses_.push_back(half.use);
         }
+        halfEdges_ = {};
     }
 
     std::span<const EdgeUse> usesOf(const Edge& edge) const {
@@ -206,17 +223,6 @@ class EdgeAdjacency::Builder {
         return dropped;
     }
 
-    /// Cells of a grid over the ends of open edges, about as wide as such an edge is long.
-    struct Grid {
-        double cellM = 1.0;
-        std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> vertices;
-        static std::uint64_t key(const glm::ivec3& c) {
-            const auto bits = [](int v) { return static_cast<std::uint64_t>(v) & 0x1fffffu; };
-            return bits(c.x) << 42 | bits(c.y) << 21 | bits(c.z);
-        }
-        glm::ivec3 cell(const glm::dvec3& p) const { return {glm::floor(p / cellM)}; }
-    };
-
     bool splitOpenEdges() {
         std::vector<std::uint32_t> ends;
         double length = 0.0, extent = 0.0;
@@ -234,70 +240,35 @@ class EdgeAdjacency::Builder {
         if (open == 0) return false;
         std::ranges::sort(ends);
         ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
-        Grid grid;
-        // Twenty bits hold each coordinate of a cell.
-        grid.cellM = std::max(length / static_cast<double>(open), extent * 0x1p-19);
-        for (const std::uint32_t v : ends) grid.vertices[Grid::key(grid.cell(at(v)))].push_back(v);
-        // Rounding of float positions, thrice over.
-        const double toleranceM = 3.0 * 0x1p-24 * extent;
-
-        std::vector<HalfEdge> result;
-        bool split = false;
-        for (const Edge& edge : out_.edges_) {
-            std::vector<std::pair<double, std::uint32_t>> inside;
-            if (edge.useCount == 1) inside = verticesInside(edge, grid, toleranceM);
-            split |= !inside.empty();
+        const VertexGrid grid(geometry_, ends, length / static_cast<double>(open), extent);
+        std::unordered_map<std::size_t, std::vector<std::pair<double, std::uint32_t>>> cuts;
+        for (std::size_t e = 0; e < out_.edges_.size(); ++e) {
+            const Edge& edge = out_.edges_[e];
+            if (edge.useCount != 1) continue;
+            auto inside = grid.inside(edge.a, edge.b);
             out_.defects_.tJunctions += inside.size();
+            if (!inside.empty()) cuts.emplace(e, std::move(inside));
+        }
+        if (cuts.empty()) return false;
+        halfEdges_.reserve(out_.uses_.size());
+        for (std::size_t e = 0; e < out_.edges_.size(); ++e) {
+            const Edge& edge = out_.edges_[e];
             for (const EdgeUse& use : usesOf(edge)) {
                 std::uint32_t from = edge.a;
-                inside.emplace_back(1.0, edge.b);
-                for (const auto& [t, to] : inside) {
-                    result.push_back({std::min(from, to),
-                                      std::max(from, to),
-                                      {use.face, use.forward == (from < to)}});
+                const auto addUpTo = [&](std::uint32_t to) {
+                    halfEdges_.push_back({std::min(from, to),
+                                          std::max(from, to),
+                                          {use.face, use.forward == (from < to)}});
                     from = to;
-                }
-                inside.pop_back();
+                };
+                if (const auto cut = cuts.find(e); cut != cuts.end())
+                    for (const auto& [t, vertex] : cut->second) addUpTo(vertex);
+                addUpTo(edge.b);
             }
         }
-        if (split) halfEdges_ = std::move(result);
-        return split;
+        return true;
     }
 
-    /// Those of the grid strictly inside the edge, in order from a, with where they are on it.
-    std::vector<std::pair<double, std::uint32_t>> verticesInside(const Edge& edge, const Grid& grid,
-                                                                 double toleranceM) const {
-        const glm::dvec3 a = at(edge.a), along = at(edge.b) - a;
-        const double lengthM = glm::length(along);
-        std::vector<std::pair<double, std::uint32_t>> inside;
-        const auto consider = [&](std::uint32_t v) {
-            if (v == edge.a || v == edge.b) return;
-            const glm::dvec3 from = at(v) - a;
-            const double t = glm::dot(from, along) / (lengthM * lengthM);
-            if (t * lengthM > toleranceM && (1.0 - t) * lengthM > toleranceM &&
-                glm::length(from - t * along) <= toleranceM)
-                inside.emplace_back(t, v);
-        };
-        // Bit by bit, no longer than a cell: each touches eight cells at most.
-        const int bits = static_cast<int>(std::ceil(lengthM / grid.cellM));
-        for (int i = 0; i < bits; ++i) {
-            const glm::dvec3 p = a + along * (static_cast<double>(i) / bits),
-                             q = a + along * ((i + 1.0) / bits);
-            const glm::ivec3 lo = grid.cell(glm::min(p, q) - toleranceM),
-                             hi = grid.cell(glm::max(p, q) + toleranceM);
-            for (int z = lo.z; z <= hi.z; ++z)
-                for (int y = lo.y; y <= hi.y; ++y)
-                    for (int x = lo.x; x <= hi.x; ++x)
-                        if (const auto found = grid.vertices.find(Grid::key({x, y, z}));
-                            found != grid.vertices.end())
-                            std::ranges::for_each(found->second, consider);
-        }
-        std::ranges::sort(inside);
-        inside.erase(std::unique(inside.begin(), inside.end()), inside.end());
-        return inside;
-    }
-
-    /// Sets Face::solid and turns solids' faces outward.
     /// Turns faces so that neighbours across an edge of two are oriented alike, by the larger
     /// area's way round; one-sided surfaces, which have no such orientation, stay as they are.
     void orientAlike() {
@@ -326,6 +297,7 @@ class EdgeAdjacency::Builder {
         for (EdgeUse& use : out_.uses_) use.forward = use.forward != turned[use.face];
     }
 
+    /// Sets Face::solid and turns solids' faces outward.
     void findSolids() {
         UnionFind connected(out_.faces_.size());
         for (const Edge& edge : out_.edges_)
@@ -335,15 +307,24 @@ class EdgeAdjacency::Builder {
             glm::dvec3 areaVector{0.0}, moment{0.0};
             double area = 0.0, volume = 0.0;
         };
-        std::vector<Component> components(out_.faces_.size());
+        std::vector<std::uint32_t> numberOf(out_.faces_.size(), kNone);  // of roots
+        std::vector<Component> components;
+        const auto componentOf = [&](std::uint32_t face) -> Component& {
+            std::uint32_t& number = numberOf[connected.root(face)];
+            if (number == kNone) {
+                number = static_cast<std::uint32_t>(components.size());
+                components.emplace_back();
+            }
+            return components[number];
+        };
         for (const Edge& edge : out_.edges_) {
             const auto forward = std::ranges::count_if(usesOf(edge), &EdgeUse::forward);
             if (edge.useCount > 1 && 2 * forward != edge.useCount)
-                components[connected.root(usesOf(edge)[0].face)].oriented = false;
+                componentOf(usesOf(edge)[0].face).oriented = false;
         }
         for (std::uint32_t f = 0; f < out_.faces_.size(); ++f) {
             const Face& face = out_.faces_[f];
-            Component& component = components[connected.root(f)];
+            Component& component = componentOf(f);
             const glm::dvec3 area = areaVector(geometry_, face.vertices);
             component.areaVector += area;
             component.area += glm::length(area);
@@ -356,7 +337,7 @@ class EdgeAdjacency::Builder {
             if (c.area > 0.0) c.volume -= glm::dot(c.areaVector, c.moment / c.area);
         inwards_.assign(out_.faces_.size(), false);
         for (std::uint32_t f = 0; f < out_.faces_.size(); ++f) {
-            const Component& component = components[connected.root(f)];
+            const Component& component = componentOf(f);
             Face& face = out_.faces_[f];
             const double openness = glm::length(component.areaVector) / component.area;
             face.solid = component.oriented && component.volume != 0.0 && openness <= kSolid;
@@ -374,12 +355,12 @@ class EdgeAdjacency::Builder {
             if (uses.size() == 2 && !out_.hollow(geometry_, edge))
                 joined.join(uses[0].face, uses[1].face);
         }
-        std::unordered_map<std::uint32_t, std::uint32_t> numbers;
-        for (std::uint32_t f = 0; f < out_.faces_.size(); ++f)
-            out_.faces_[f].piece =
-                numbers.emplace(joined.root(f), static_cast<std::uint32_t>(numbers.size()))
-                    .first->second;
-        out_.pieceCount_ = static_cast<std::uint32_t>(numbers.size());
+        std::vector<std::uint32_t> numberOf(out_.faces_.size(), kNone);  // of roots
+        for (std::uint32_t f = 0; f < out_.faces_.size(); ++f) {
+            std::uint32_t& number = numberOf[joined.root(f)];
+            if (number == kNone) number = out_.pieceCount_++;
+            out_.faces_[f].piece = number;
+        }
     }
 
     EdgeAdjacency& out_;

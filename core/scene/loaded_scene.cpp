@@ -95,6 +95,10 @@ void LoadedScene::place(std::vector<AssetPrimitive> primitives, std::vector<Cast
         write(i, poses_[0], *geometry);
     }
     first_ = geometry;
+    if (poses_.size() > 1) return;
+    // Nothing is written a second time.
+    primitives_ = {};
+    casters_ = {};
 }
 
 SceneFrame LoadedScene::frame(int index) const {

@@ -1,6 +1,8 @@
 // What of EdgeAdjacency depends on where the vertices are: which edges may be silhouettes, and how
 // they stretch.
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -57,16 +59,25 @@ std::array<std::uint32_t, 2> EdgeAdjacency::outermost(const Geometry& geometry,
 std::vector<OutlineEdge> EdgeAdjacency::outlineEdges(const Geometry& geometry) const {
     std::vector<glm::dvec3> normals(faces_.size());
     std::vector<glm::dvec3> outward(geometry.positions.size(), glm::dvec3(0.0));
-    for (std::size_t f = 0; f < faces_.size(); ++f) {
-        normals[f] = glm::normalize(areaVector(geometry, faces_[f].vertices));
-        const auto& v = faces_[f].vertices;
-        for (std::size_t k = 0; k < 3; ++k) {
-            // By the angle that the face takes of the vertex, however it is cut into triangles.
-            const glm::dvec3 p(geometry.positions[v[k]]);
-            const glm::dvec3 u = glm::dvec3(geometry.positions[v[(k + 1) % 3]]) - p,
-                             w = glm::dvec3(geometry.positions[v[(k + 2) % 3]]) - p;
-            outward[v[k]] += std::atan2(glm::length(glm::cross(u, w)), glm::dot(u, w)) * normals[f];
-        }
+    // By the angle that a face takes of the vertex, however it is cut into triangles; added up in
+    // the faces' order, that of angles which a block of them has at once.
+    constexpr std::size_t kBlock = 1 << 16;
+    std::vector<std::array<double, 3>> angles(std::min(kBlock, faces_.size()));
+    for (std::size_t begin = 0; begin < faces_.size(); begin += kBlock) {
+        const std::size_t end = std::min(begin + kBlock, faces_.size());
+        tbb::parallel_for(begin, end, [&](std::size_t f) {
+            const auto& v = faces_[f].vertices;
+            normals[f] = glm::normalize(areaVector(geometry, v));
+            for (std::size_t k = 0; k < 3; ++k) {
+                const glm::dvec3 p(geometry.positions[v[k]]);
+                const glm::dvec3 u = glm::dvec3(geometry.positions[v[(k + 1) % 3]]) - p,
+                                 w = glm::dvec3(geometry.positions[v[(k + 2) % 3]]) - p;
+                angles[f - begin][k] = std::atan2(glm::length(glm::cross(u, w)), glm::dot(u, w));
+            }
+        });
+        for (std::size_t f = begin; f < end; ++f)
+            for (std::size_t k = 0; k < 3; ++k)
+                outward[faces_[f].vertices[k]] += angles[f - begin][k] * normals[f];
     }
     // Where a surface ends, away from it.
     std::vector<glm::dvec3> away(geometry.positions.size(), glm::dvec3(0.0));
@@ -84,23 +95,29 @@ std::vector<OutlineEdge> EdgeAdjacency::outlineEdges(const Geometry& geometry) c
         return length > 1e-6 ? glm::vec3(sum / length) : glm::vec3(0.0f);
     };
 
-    std::vector<OutlineEdge> outline;
-    for (const Edge& edge : edges_) {
-        const std::array<std::uint32_t, 2> uses = outermost(geometry, edge);
-        if (uses[0] == kNone) continue;
-        OutlineEdge& out = outline.emplace_back();
+    std::vector<std::array<std::uint32_t, 2>> usesOf(edges_.size());
+    tbb::parallel_for(std::size_t{0}, edges_.size(),
+                      [&](std::size_t e) { usesOf[e] = outermost(geometry, edges_[e]); });
+    std::vector<std::uint32_t> listed;
+    for (std::uint32_t e = 0; e < edges_.size(); ++e)
+        if (usesOf[e][0] != kNone) listed.push_back(e);
+    std::vector<OutlineEdge> outline(listed.size());
+    tbb::parallel_for(std::size_t{0}, outline.size(), [&](std::size_t i) {
+        const Edge& edge = edges_[listed[i]];
+        const std::array<std::uint32_t, 2>& uses = usesOf[listed[i]];
+        OutlineEdge& out = outline[i];
         out.a = geometry.positions[edge.a];
         out.b = geometry.positions[edge.b];
         out.stretchA = stretch(edge.a);
         out.stretchB = stretch(edge.b);
         out.piece = faces_[uses_[uses[0]].face].piece;
-        for (std::size_t i = 0; i < 2; ++i) {
-            const EdgeUse& use = uses_[uses[i]];
+        for (std::size_t k = 0; k < 2; ++k) {
+            const EdgeUse& use = uses_[uses[k]];
             const glm::dvec3 p(geometry.positions[faces_[use.face].vertices[0]]);
-            out.planes[i] = glm::vec4(normals[use.face], glm::dot(normals[use.face], p));
-            out.forward[i] = use.forward;
+            out.planes[k] = glm::vec4(normals[use.face], glm::dot(normals[use.face], p));
+            out.forward[k] = use.forward;
         }
-    }
+    });
     return outline;
 }
 

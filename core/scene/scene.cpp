@@ -9,6 +9,7 @@
 
 #include "core/error.hpp"
 #include "core/scene/input_text.hpp"
+#include "core/scene/procedural_asset.hpp"
 #include "core/scene/scene_builder.hpp"
 
 namespace penumbra {
@@ -58,6 +59,12 @@ fs::path assetPathOf(const Script& script, const SceneLibrary& library) {
 std::shared_ptr<const Scene> loadScript(const fs::path& file, const SceneLibrary& library,
                                         const LoadOptions& options) {
     const Script script = readScript(file);
+    try {
+        if (const auto made = ProceduralAsset::parsed(script.asset))
+            return buildScene(made->make(script.asset, options), script, options);
+    } catch (const std::invalid_argument& e) {
+        failScript(script, script.assetWhere, e.what());
+    }
     const fs::path asset = assetPathOf(script, library);
     std::error_code error;
     if (!fs::exists(asset, error)) {

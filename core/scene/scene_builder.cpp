@@ -7,23 +7,17 @@
 #include <functional>
 #include <unordered_map>
 
-#include "core/scene/choice.hpp"
 #include "core/scene/input_text.hpp"
-#include "core/scene/light_rectangle.hpp"
+#include "core/scene/light_and_camera.hpp"
 #include "core/scene/loaded_scene.hpp"
 #include "core/scene/placement.hpp"
 #include "core/scene/pose.hpp"
-#include "core/scene/punctual_light.hpp"
 #include "core/scene/supported_input.hpp"
 
 namespace penumbra::scene_detail {
 namespace {
 
 constexpr std::size_t kListedNames = 12;
-
-std::string words(const glm::dvec3& p) {
-    return fmt::format("({:.4g}, {:.4g}, {:.4g})", p.x, p.y, p.z);
-}
 
 class Builder {
   public:
@@ -39,21 +33,19 @@ class Builder {
     std::shared_ptr<const Scene> build() {
         addScriptTracks();
         findMovingNodes();
-        chooseCamera();
+        LightAndCamera view(asset_, script_, options_);
         world_ = worldMatrices(asset_.nodes, tracks_, timesS_.front());
-        scene_->chosen = asset_.notes;
-        if (!script_ || !script_->light) chooseRectangle();
+        view.takeRectangle(world_);
         measure();
-        if (!rectangle_ && !(script_ && script_->light)) choosePunctual();
-        const bool assetIsBare = !script_ && !rectangle_ && !punctual_ && asset_.cameras.empty();
-        placeLight();
-        placeCamera();
+        view.complete(bounds_);
+        scene_->chosen = asset_.notes;
+        scene_->chosen.insert(scene_->chosen.end(), view.notes().begin(), view.notes().end());
         if (script_ && script_->ground) {
-            addGround("as the script asks");
-        } else if (assetIsBare && !hasFloor()) {
-            addGround("as the asset has none");
+            addGround(view, "as the script asks");
+        } else if (view.allPlaced() && !hasFloor()) {
+            addGround(view, "as the asset has none");
         }
-        fillScene();
+        fillScene(view);
         return scene_;
     }
 
@@ -129,87 +121,6 @@ class Builder {
         if (placement.skin < 0) return moves_[placement.node];
         const std::vector<int>& joints = asset_.skins[placement.skin].joints;
         return std::any_of(joints.begin(), joints.end(), [&](int joint) { return moves_[joint]; });
-    }
-
-    bool scriptMoves(std::initializer_list<TrackTarget> targets) const {
-        if (!script_ || timesS_.size() < 2) return false;
-        return std::any_of(script_->tracks.begin(), script_->tracks.end(), [&](const auto& track) {
-            return std::find(targets.begin(), targets.end(), track.target) != targets.end();
-        });
-    }
-
-    // --- The asset's own camera and light --------------------------------------------------------
-
-    void chooseCamera() {
-        const bool scripted = script_ && script_->camera;
-        if (options_.camera.empty()) {
-            if (!scripted && !asset_.cameras.empty()) assetCamera_ = asset_.cameras.front();
-            return;
-        }
-        std::vector<std::string> names;
-        for (const AssetCamera& camera : asset_.cameras) names.push_back(camera.name);
-        const auto chosen = chosenByIndexOrName(options_.camera, names);
-        if (!chosen) {
-            fail(fmt::format("--camera {}: {}", oneLine(options_.camera, 60),
-                             names.empty() ? "the scene has no cameras"
-                                           : "the cameras are " + indexedNames(names)));
-        }
-        assetCamera_ = asset_.cameras[*chosen];
-    }
-
-    /// Takes the emissive rectangle of the greatest flux out of the placements.
-    void chooseRectangle() {
-        struct Candidate {
-            std::size_t placement;
-            LocalRectangle rectangle;
-            double flux;
-        };
-        std::vector<Candidate> candidates;
-        bool otherEmission = false;
-        for (std::size_t i = 0; i < asset_.placements.size(); ++i) {
-            const Placement& placement = asset_.placements[i];
-            const AssetPrimitive& primitive = asset_.primitives[placement.primitive];
-            const double emission = asset_.emissions[primitive.material];
-            if (!(emission > 0.0)) continue;
-            const glm::dmat4& world = world_[placement.node];
-            const bool plain = !primitive.deforms() && placement.instances < 0;
-            if (const auto rectangle = plain ? rectangleOf(primitive, world) : std::nullopt) {
-                candidates.push_back({i, *rectangle, rectangle->placedBy(world).area() * emission});
-            } else {
-                otherEmission = true;
-            }
-        }
-        if (otherEmission) {
-            scene_->chosen.push_back("emissive surfaces that are not one rectangle do not emit");
-        }
-        if (candidates.empty()) return;
-        const auto light =
-            std::max_element(candidates.begin(), candidates.end(),
-                             [](const auto& a, const auto& b) { return a.flux < b.flux; });
-        const Placement chosen = asset_.placements[light->placement];
-        if (candidates.size() > 1) {
-            std::vector<std::string> others;
-            for (const Candidate& c : candidates) {
-                if (c.placement != light->placement) {
-                    others.push_back("'" + asset_.placements[c.placement].name + "'");
-                }
-            }
-            scene_->chosen.push_back(oneLine(fmt::format(
-                "light: '{}', the emissive rectangle of the greatest flux; {} remain ordinary "
-                "surfaces",
-                chosen.name, listed(others, kListedNames))));
-        }
-        rectangle_ = light->rectangle;
-        rectangleNode_ = chosen.node;
-        asset_.placements.erase(asset_.placements.begin() +
-                                static_cast<std::ptrdiff_t>(light->placement));
-    }
-
-    void choosePunctual() {
-        const auto chosen = brightest(asset_.lights);
-        if (!chosen) return;
-        punctual_ = asset_.lights[*chosen];
-        scene_->chosen.push_back(describe(*punctual_, asset_.lights.size()));
     }
 
     // --- Bounds and what is placed from them -----------------------------------------------------
@@ -295,26 +206,8 @@ class Builder {
         return meter.hasFloor();
     }
 
-    void placeLight() {
-        if (rectangle_ || punctual_ || (script_ && script_->light)) return;
-        fixedLight_ = lightForBounds(bounds_);
-        scene_->chosen.push_back(fmt::format(
-            "light: none given, placed a square of {0:.4g} x {0:.4g} m at {1} facing "
-            "the centre {2} of the asset",
-            2.0 * fixedLight_->halfU, words(fixedLight_->centre), words(bounds_.centre())));
-    }
-
-    void placeCamera() {
-        if (assetCamera_ || (script_ && script_->camera)) return;
-        fixedCamera_ = cameraForBounds(bounds_);
-        scene_->chosen.push_back(
-            fmt::format("camera: none given, placed at {} looking at {}, {:.4g} degrees high",
-                        words(fixedCamera_->position), words(bounds_.centre()),
-                        glm::degrees(fixedCamera_->fovYRad)));
-    }
-
-    void addGround(const char* why) {
-        const GroundPlate plate = groundFor(bounds_, lightAt(timesS_.front(), world_));
+    void addGround(const LightAndCamera& view, const char* why) {
+        const GroundPlate plate = groundFor(bounds_, view.lightAt(timesS_.front(), world_));
         AssetNode node;
         node.name = "ground";
         node.transform.translation = plate.centre;
@@ -333,64 +226,6 @@ class Builder {
 
     // --- Frames ----------------------------------------------------------------------------------
 
-    AreaLight lightAt(double timeS, const std::vector<glm::dmat4>& world) const {
-        if (fixedLight_) return *fixedLight_;
-        if (rectangle_) {
-            const AreaLight light = rectangle_->placedBy(world[rectangleNode_]);
-            if (!(light.area() > 0.0 && glm::length(light.centre) < kMaxExtentM)) {
-                fail(fmt::format("its light is no rectangle at {} s", timeS));
-            }
-            return light;
-        }
-        if (punctual_) {
-            const auto light = placedPunctual(*punctual_, world[punctual_->node], bounds_);
-            if (!light)
-                fail(fmt::format("its light '{}' is nowhere at {} s", punctual_->name, timeS));
-            return *light;
-        }
-        ScriptLight light = *script_->light;
-        for (const ScriptTrack& track : script_->tracks) {
-            const glm::dvec4 value = track.curve.at(timeS);
-            if (track.target == TrackTarget::lightPosition) light.position = glm::dvec3(value);
-            if (track.target == TrackTarget::lightTarget) light.target = glm::dvec3(value);
-            if (track.target == TrackTarget::lightSize) light.size = glm::dvec2(value);
-        }
-        const auto placed = lightFacing(light.position, light.target, light.up, light.size);
-        if (!placed) failPose(light.where, "light", timeS);
-        return *placed;
-    }
-
-    Camera cameraAt(double timeS, const std::vector<glm::dmat4>& world) const {
-        if (fixedCamera_) return *fixedCamera_;
-        if (assetCamera_) {
-            const Camera placed = cameraOfNode(assetCamera_->lens, world[assetCamera_->node]);
-            const double check = glm::length(placed.position) + glm::length(placed.right) +
-                                 glm::length(placed.up) + glm::length(placed.back);
-            if (!(check < kMaxExtentM)) {
-                fail(fmt::format("its camera has no direction at {} s", timeS));
-            }
-            return placed;
-        }
-        ScriptCamera camera = *script_->camera;
-        for (const ScriptTrack& track : script_->tracks) {
-            const glm::dvec4 value = track.curve.at(timeS);
-            if (track.target == TrackTarget::cameraPosition) camera.position = glm::dvec3(value);
-            if (track.target == TrackTarget::cameraTarget) camera.target = glm::dvec3(value);
-            if (track.target == TrackTarget::cameraFovY) camera.fovYDegrees = value.x;
-        }
-        const auto placed = cameraFacing(camera.position, camera.target, camera.up,
-                                         glm::radians(camera.fovYDegrees));
-        if (!placed) failPose(camera.where, "camera", timeS);
-        return *placed;
-    }
-
-    [[noreturn]] void failPose(const std::string& where, const char* what, double timeS) const {
-        failScript(*script_, where,
-                   fmt::format("at {} s the {} has no direction: target must differ from position "
-                               "and up must not lie along the line between them",
-                               timeS, what));
-    }
-
     void checkPose(const PoseLayout& layout, const Pose& pose, double timeS) const {
         for (std::size_t i = 0; i < asset_.placements.size(); ++i) {
             const PoseRange& range = layout.rangeOf(i);
@@ -407,15 +242,15 @@ class Builder {
         }
     }
 
-    void fillScene() {
+    void fillScene(const LightAndCamera& view) {
         const PoseLayout layout(asset_);
         std::vector<Pose> poses;
         std::unordered_multimap<std::size_t, std::size_t> known;  // by hash
         std::vector<LoadedScene::FrameState> frames;
         for (const double timeS : timesS_) {
             const std::vector<glm::dmat4> world = worldMatrices(asset_.nodes, tracks_, timeS);
-            LoadedScene::FrameState frame{timeS, lightAt(timeS, world), cameraAt(timeS, world),
-                                          poses.size()};
+            LoadedScene::FrameState frame{timeS, view.lightAt(timeS, world),
+                                          view.cameraAt(timeS, world), poses.size()};
             frame.light.centre -= scene_->origin;
             frame.camera.position -= scene_->origin;
             Pose pose = layout.at(asset_, tracks_, world, timeS);
@@ -439,14 +274,8 @@ class Builder {
                                instancesOf(placement)});
             scene_->movingCasters = scene_->movingCasters || moves;
         }
-        scene_->movingLight = (rectangle_ && moves_[rectangleNode_]) ||
-                              (punctual_ && moves_[punctual_->node]) ||
-                              scriptMoves({TrackTarget::lightPosition, TrackTarget::lightTarget,
-                                           TrackTarget::lightSize});
-        scene_->movingCamera =
-            assetCamera_ ? bool{moves_[assetCamera_->node]}
-                         : scriptMoves({TrackTarget::cameraPosition, TrackTarget::cameraTarget,
-                                        TrackTarget::cameraFovY});
+        scene_->movingLight = view.lightMoves(moves_, timesS_.size());
+        scene_->movingCamera = view.cameraMoves(moves_, timesS_.size());
         scene_->asset = asset_.file;
         scene_->source = script_ ? script_->file : asset_.file;
         scene_->id = scene_->source.stem().string();
@@ -475,12 +304,6 @@ class Builder {
     std::vector<bool> morphs_;       ///< per node: its morph weights do
     std::vector<glm::dmat4> world_;  ///< per node, at frame 0
     Bounds bounds_;                  ///< of the asset without its light and ground, at frame 0
-    std::optional<LocalRectangle> rectangle_;
-    int rectangleNode_ = -1;
-    std::optional<AssetLight> punctual_;
-    std::optional<AssetCamera> assetCamera_;
-    std::optional<AreaLight> fixedLight_;
-    std::optional<Camera> fixedCamera_;
 };
 
 }  // namespace

@@ -5,13 +5,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/glm.hpp>
 #include <limits>
+#include <span>
 #include <sstream>
 #include <stdexcept>
 
-#include "harness/report/shade.hpp"
+#include "core/image/image.hpp"
+#include "core/image/srgb.hpp"
+#include "harness/report/shade_rows.hpp"
 
 namespace penumbra {
 
@@ -37,36 +41,49 @@ int lineHeight(int sizePx) {
 
 /// A picture that grows downwards as things are put on it.
 struct Page {
-    Image image;
+    GridPicture picture;
 
-    explicit Page(int width) { image = Image::withChannels(width, 0, {"R", "G", "B"}); }
+    explicit Page(int width) { picture.width = width; }
 
-    int bottom() const { return image.height; }
-    int innerWidth() const { return image.width - 2 * kMargin; }
+    int bottom() const { return picture.height; }
+    int innerWidth() const { return picture.width - 2 * kMargin; }
 
+    /// `count` pixels from (x, y) on.
+    std::span<std::uint8_t> bytes(int x, int y, int count) {
+        const std::size_t first = static_cast<std::size_t>(y) * picture.width + x;
+        return std::span(picture.rgb).subspan(3 * first, 3 * static_cast<std::size_t>(count));
+    }
     /// Adds empty rows and returns where they start.
     int grow(int rows) {
-        const int y = image.height;
-        image.height += rows;
-        image.pixels.resize(static_cast<std::size_t>(image.width) * image.height * 3, kPage.r);
+        const int y = picture.height;
+        picture.height += rows;
+        picture.rgb.resize(static_cast<std::size_t>(picture.width) * picture.height * 3,
+                           srgb8(kPage.r));
         return y;
     }
     void fill(int x, int y, int width, int height, const glm::vec3& rgb) {
+        const std::array<std::uint8_t, 3> colour{srgb8(rgb.r), srgb8(rgb.g), srgb8(rgb.b)};
         for (int row = y; row < y + height; ++row) {
-            for (int col = x; col < x + width; ++col) {
-                for (int c = 0; c < 3; ++c) image.at(col, row, c) = rgb[c];
-            }
-        }
-    }
-    void paste(const Image& tile, int x, int y) {
-        for (int row = 0; row < tile.height; ++row) {
-            std::copy_n(&tile.pixels[static_cast<std::size_t>(row) * tile.width * 3],
-                        tile.width * 3, &image.at(x, y + row, 0));
+            const std::span<std::uint8_t> line = bytes(x, row, width);
+            for (std::size_t i = 0; i < line.size(); ++i) line[i] = colour[i % 3];
         }
     }
     /// `y` is the top of the line, not the baseline.
     void text(int x, int y, const std::string& line, int sizePx, const glm::vec3& rgb) {
-        drawText(image, x, y + sizePx, line, sizePx, rgb.r, rgb.g, rgb.b);
+        const int width = std::min(textWidth(line, sizePx), picture.width - x);
+        const int height = std::min(2 * sizePx, picture.height - y);
+        if (width <= 0 || height <= 0) return;
+        // Blended in linear values over what is there.
+        Image strip = Image::withChannels(width, height, {"R", "G", "B"});
+        const auto rowOf = [&](int row) {
+            return std::span(strip.pixels)
+                .subspan(static_cast<std::size_t>(row) * width * 3,
+                         static_cast<std::size_t>(width) * 3);
+        };
+        for (int row = 0; row < height; ++row)
+            std::ranges::transform(bytes(x, y + row, width), rowOf(row).begin(), linearOf);
+        drawText(strip, 0, sizePx, line, sizePx, rgb.r, rgb.g, rgb.b);
+        for (int row = 0; row < height; ++row) srgb8(rowOf(row), bytes(x, y + row, width));
     }
 };
 
@@ -117,11 +134,44 @@ Image resized(Image& source, TileSize size) {
                         source.pixels.data());
     ImageBuf to(ImageSpec(size.width, size.height, 3, TypeDesc::FLOAT), target.pixels.data());
     // A box one target pixel wide weighs source pixels evenly only at whole factors.
-    const bool whole = source.width % size.width == 0 || size.width % source.width == 0;
+    const bool whole = size.width % source.width == 0;
     if (!ImageBufAlgo::resize(to, from, whole ? "box" : "triangle")) {
         throw std::runtime_error("grid: cannot resize a tile: " + to.geterror());
     }
     return target;
+}
+
+/// Puts a picture of the G-buffer's size onto the page, resized; `rows(begin, end, rgb)` paints
+/// some of its rows.
+template <class Rows>
+void pasteTile(Page& page, int x, int y, const GBuffer& gbuffer, TileSize size, Rows rows) {
+    const auto width = static_cast<std::size_t>(gbuffer.width);
+    const int factor = gbuffer.width / size.width;
+    if (gbuffer.width != factor * size.width || gbuffer.height != factor * size.height) {
+        Image whole = Image::withChannels(gbuffer.width, gbuffer.height, {"R", "G", "B"});
+        rows(0, gbuffer.height, std::span(whole.pixels));
+        const Image tile = resized(whole, size);
+        for (int row = 0; row < size.height; ++row)
+            srgb8(std::span(tile.pixels)
+                      .subspan(static_cast<std::size_t>(row) * size.width * 3,
+                               static_cast<std::size_t>(size.width) * 3),
+                  page.bytes(x, y + row, size.width));
+        return;
+    }
+    // Means of factor x factor pixels, a strip of the picture at a time: OpenImageIO's resize takes
+    // ten times as long, and images in between cost more than painting them.
+    std::vector<float> strip(3 * width * static_cast<std::size_t>(factor));
+    std::vector<float> line(3 * static_cast<std::size_t>(size.width));
+    const float weight = 1.0F / static_cast<float>(factor * factor);
+    for (int row = 0; row < size.height; ++row) {
+        rows(factor * row, factor * (row + 1), std::span(strip));
+        std::ranges::fill(line, 0.0F);
+        for (const float* from = strip.data(); from != strip.data() + strip.size();)
+            for (float* to = line.data(); to != line.data() + line.size(); to += 3)
+                for (int i = 0; i < factor; ++i, from += 3)
+                    for (int c = 0; c < 3; ++c) to[c] += weight * from[c];
+        srgb8(line, page.bytes(x, y + row, size.width));
+    }
 }
 
 // ---- legend ----------------------------------------------------------------------------------
@@ -136,7 +186,7 @@ struct LegendFlow {
 
     /// Room for one item `width` wide, on a new line if this one is full.
     int place(int width) {
-        if (x > kMargin && x + width > page.image.width - kMargin) {
+        if (x > kMargin && x + width > page.picture.width - kMargin) {
             x = kMargin;
             y = page.grow(kHeight);
         }
@@ -257,8 +307,12 @@ class FrameColumns {
 
     void drawReference(int x, int y) {
         const Reference& reference = *frame_.reference;
-        pasteTiles(x, y, shadeVisibility(*frame_.gbuffer, reference.visibility, light_),
-                   classMap(*frame_.gbuffer, reference));
+        const Image classes = classMap(*frame_.gbuffer, reference);
+        pasteTiles(x, y, reference.visibility, [&](int begin, int end, std::span<float> rgb) {
+            const auto row = static_cast<std::size_t>(classes.width) * 3;
+            std::copy_n(&classes.pixels[row * static_cast<std::size_t>(begin)],
+                        row * static_cast<std::size_t>(end - begin), rgb.begin());
+        });
         Caption caption{"reference", "below: lit, penumbra, umbra", ""};
         for (const GridCell& cell : frame_.cells) {
             if (!cell.row->metrics.referenceSe) continue;
@@ -272,8 +326,9 @@ class FrameColumns {
         if (cell.visibility.empty()) {
             drawStatus(x, y, *cell.row);
         } else {
-            pasteTiles(x, y, shadeVisibility(*frame_.gbuffer, cell.visibility, light_),
-                       errorMap(*frame_.gbuffer, cell.visibility, *frame_.reference));
+            pasteTiles(x, y, cell.visibility, [&](int begin, int end, std::span<float> rgb) {
+                errorRows(*frame_.gbuffer, cell.visibility, *frame_.reference, begin, end, rgb);
+            });
         }
         drawCaption(page_, x, captionY(y), columnWidth_, captionOf(*cell.row));
     }
@@ -281,10 +336,15 @@ class FrameColumns {
   private:
     int captionY(int y) const { return y + 2 * tile_.height + kTileGap; }
 
-    void pasteTiles(int x, int y, Image above, Image below) {
+    /// Shaded `visibility` and what `below` paints.
+    template <class Rows>
+    void pasteTiles(int x, int y, const std::vector<float>& visibility, Rows below) {
         x += (columnWidth_ - tile_.width) / 2;
-        page_.paste(resized(above, tile_), x, y);
-        page_.paste(resized(below, tile_), x, y + tile_.height + kTileGap);
+        pasteTile(page_, x, y, *frame_.gbuffer, tile_,
+                  [&](int begin, int end, std::span<float> rgb) {
+                      shadeRows(*frame_.gbuffer, visibility, light_, begin, end, rgb);
+                  });
+        pasteTile(page_, x, y + tile_.height + kTileGap, *frame_.gbuffer, tile_, below);
     }
 
     void drawStatus(int x, int y, const Row& row) {
@@ -314,8 +374,8 @@ class FrameColumns {
 
 }  // namespace
 
-Image renderGrid(const std::string& sceneId, const std::string& shows,
-                 const std::vector<GridFrame>& frames) {
+GridPicture renderGrid(const std::string& sceneId, const std::string& shows,
+                       const std::vector<GridFrame>& frames) {
     std::size_t most = 0;
     for (const GridFrame& frame : frames) most = std::max(most, frame.cells.size());
     const int columns = static_cast<int>(most) + 1;
@@ -344,7 +404,7 @@ Image renderGrid(const std::string& sceneId, const std::string& shows,
         }
     }
     page.grow(kMargin - kGap);
-    return std::move(page.image);
+    return std::move(page.picture);
 }
 
 }  // namespace penumbra

@@ -1,10 +1,10 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
 #include "core/frame/gbuffer.hpp"
-#include "core/image/image.hpp"
 #include "harness/reference/reference.hpp"
 #include "harness/run/row.hpp"
 
@@ -22,12 +22,18 @@ struct GridFrame {
     std::vector<GridCell> cells;           ///< in the order of the columns
 };
 
+/// As a PNG has it: three bytes a pixel, sRGB, top row first.
+struct GridPicture {
+    int width = 0, height = 0;
+    std::vector<std::uint8_t> rgb;
+};
+
 /// grid/<scene>.png: one picture of a scene for people. Columns are the reference and then the
 /// cells; each is a shaded image over its signed error map (under the reference: its pixel classes)
 /// with name, rmse, frame time and the effects that the method cannot simulate below; a cell
 /// without an image says why. Frames stack downwards. Tiles are 384 pixels wide up to 6 columns,
-/// else 256; after 12 columns a new line starts. Linear RGB for writePng.
-Image renderGrid(const std::string& sceneId, const std::string& shows,
-                 const std::vector<GridFrame>& frames);
+/// else 256; after 12 columns a new line starts.
+GridPicture renderGrid(const std::string& sceneId, const std::string& shows,
+                       const std::vector<GridFrame>& frames);
 
 }  // namespace penumbra

@@ -12,6 +12,7 @@
 #include <stdexcept>
 
 #include "core/error.hpp"
+#include "harness/report/escape.hpp"
 #include "harness/report/page_modules.hpp"
 #include "harness/run/csv.hpp"
 
@@ -20,19 +21,6 @@ namespace {
 
 constexpr const char* kChartScript = "/usr/share/javascript/chart.js/chart.min.js";
 constexpr const char* kChartLicence = "/usr/share/doc/libjs-chart.js/copyright";
-
-std::string escapedHtml(std::string_view text) {
-    std::string out;
-    for (const char c : text) {
-        if (c == '<')
-            out += "&lt;";
-        else if (c == '&')
-            out += "&amp;";
-        else
-            out += c;
-    }
-    return out;
-}
 
 /// As a Content-Security-Policy names an inline element.
 std::string sourceHash(const std::string& text) {
@@ -124,7 +112,7 @@ PageShell pageShell(const PageSource& source, std::span<const PageData> data) {
         "<meta http-equiv=\"Content-Security-Policy\" content=\"{}\">\n"
         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
         "<title>{}</title>\n<style>{}</style>\n</head>\n<body>\n{}",
-        policy, escapedHtml(source.title), style, readPart(source.markup));
+        policy, xmlEscaped(source.title), style, readPart(source.markup));
     for (const PageData& one : data) shell.head += dataElement(one);
     if (source.charts) {
         shell.head += dataElement(jsonData("chart-licence", readChartFile(kChartLicence)));

@@ -4,8 +4,12 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <deque>
 #include <map>
+#include <set>
 
+#include "core/error.hpp"
+#include "core/image/image.hpp"
 #include "harness/report/benchmark.hpp"
 #include "harness/report/grid.hpp"
 #include "harness/report/markdown.hpp"
@@ -14,6 +18,7 @@
 #include "harness/report/summary.hpp"
 #include "harness/run/csv.hpp"
 #include "harness/run/files.hpp"
+#include "harness/run/row_check.hpp"
 #include "harness/study/curve.hpp"
 #include "harness/study/effects_table.hpp"
 #include "harness/study/paired_report.hpp"
@@ -21,41 +26,61 @@
 namespace penumbra {
 namespace {
 
+/// V of the row's image; empty where it has none, as in a folder that was sent without images.
+std::vector<float> visibilityOf(const RunFolder& folder, const Row& row, const GBuffer& gbuffer) {
+    const std::filesystem::path path = folder.setting(row.scene, row.frame, row.setting);
+    if (row.status != "ok" || !std::filesystem::exists(path)) return {};
+    std::vector<float> visibility = folder.readVisibility(row.scene, row.frame, row.setting);
+    if (visibility.size() != gbuffer.size())
+        throw InputError(fmt::format("{}: {} pixels, the frame's gbuffer.exr has {}", path.string(),
+                                     visibility.size(), gbuffer.size()));
+    return visibility;
+}
+
 /// Writes grid/<scene>.png; what the page shows of the scene, `sceneIndex` of the record, comes
-/// from the same images.
+/// from the same images. Frames that the folder has no truth of are left out.
 PageScene drawScene(const RunFolder& folder, const RunRecord& record, std::size_t sceneIndex,
                     const std::vector<Row>& rows, int stride) {
     const RunRecord::SceneEntry& scene = record.scenes[sceneIndex];
-    std::vector<int> frames;
+    std::set<int> frames;
     for (const Row& row : rows)
-        if (row.scene == scene.id && std::ranges::find(frames, row.frame) == frames.end())
-            frames.push_back(row.frame);
+        if (row.scene == scene.id) frames.insert(row.frame);
     if (frames.empty()) return {};
-    std::ranges::sort(frames);
-
-    std::vector<GBuffer> gbuffers;
-    std::vector<Reference> references;
-    for (int frame : frames) {
-        gbuffers.push_back(folder.readGBuffer(scene.id, frame));
-        references.push_back(folder.readReference(scene.id, frame));
+    std::erase_if(frames, [&](int frame) {
+        const std::filesystem::path images = folder.images(scene.id, frame);
+        return !std::filesystem::exists(images / "gbuffer.exr") ||
+               !std::filesystem::exists(images / "reference.exr");
+    });
+    if (frames.empty()) {
+        // An earlier report may have drawn what is no longer there.
+        std::filesystem::remove(folder.grid(scene.id));
+        return {};
     }
+
+    std::deque<GBuffer> gbuffers;
+    std::deque<Reference> references;
     std::vector<GridFrame> grid;
-    for (std::size_t i = 0; i < frames.size(); ++i) {
-        GridFrame g{frames[i], &gbuffers[i], &references[i], {}};
-        for (const Row& row : rows) {
-            if (row.scene != scene.id || row.frame != frames[i]) continue;
-            g.cells.push_back({&row, row.status == "ok"
-                                         ? folder.readVisibility(scene.id, row.frame, row.setting)
-                                         : std::vector<float>{}});
-        }
+    for (const int frame : frames) {
+        const GBuffer& gbuffer = gbuffers.emplace_back(folder.readGBuffer(scene.id, frame));
+        references.push_back(folder.readReference(scene.id, frame));
+        GridFrame g{frame, &gbuffer, &references.back(), {}};
+        for (const Row& row : rows)
+            if (row.scene == scene.id && row.frame == frame)
+                g.cells.push_back({&row, visibilityOf(folder, row, gbuffer)});
         grid.push_back(std::move(g));
     }
     std::filesystem::create_directories(folder.grid(scene.id).parent_path());
-    writePng(folder.grid(scene.id), renderGrid(scene.id, scene.shows, grid));
+    const GridPicture picture = renderGrid(scene.id, scene.shows, grid);
+    writePngBytes(folder.grid(scene.id), picture.width, picture.height, picture.rgb);
 
     PageScene page;
     for (const GridFrame& frame : grid) {
-        page.frames.push_back({frame.index, frame.gbuffer->width, frame.gbuffer->height});
+        std::vector<std::size_t> withImage;
+        for (const GridCell& cell : frame.cells)
+            if (!cell.visibility.empty())
+                withImage.push_back(static_cast<std::size_t>(cell.row - rows.data()));
+        page.frames.push_back(
+            {frame.index, frame.gbuffer->width, frame.gbuffer->height, std::move(withImage)});
         page.images += pageImages(frame, sceneIndex, rows, stride);
     }
     return page;
@@ -127,7 +152,10 @@ void orderRows(const RunFolder& folder, const RunRecord& record) {
 
 void writeArtefacts(const RunFolder& folder, const std::string& curveMetric) {
     const RunRecord record = readRecord(folder, curveMetric);
-    const std::vector<Row> rows = readCsv(folder.results());
+    const std::vector<Row> rows = readCheckedCsv(folder.results());
+    if (std::filesystem::exists(folder.effectsCsv()))
+        writeFileAtomically(folder.effectsTable(),
+                            effectsTableMarkdown(readEffectsCsv(folder.effectsCsv())));
     const int stride = pageStride(imagePixels(rows));
     std::vector<PageScene> scenes(record.scenes.size());
     // One at a time, for a long scene shall not wait behind short ones; each holds its images.
@@ -139,9 +167,6 @@ void writeArtefacts(const RunFolder& folder, const std::string& curveMetric) {
         },
         tbb::simple_partitioner());
     writeCurves(folder, record, rows);
-    if (std::filesystem::exists(folder.effectsCsv()))
-        writeFileAtomically(folder.effectsTable(),
-                            effectsTableMarkdown(readEffectsCsv(folder.effectsCsv())));
     writeFileAtomically(folder.benchmark(), benchmarkJson(rows));
     writeReportPage(folder, record, rows, scenes, stride);
     writeSummary(folder, curveMetric);
@@ -167,6 +192,8 @@ void writeSummary(const RunFolder& folder, const std::string& curveMetric) {
     std::string text = summaryMarkdown(input);
     if (std::filesystem::exists(folder.paired()))
         text += pairedMarkdown(readPairedCsv(folder.paired()), input.rows, record.settings);
+    const std::filesystem::path claims = folder.root() / "claims.md";
+    if (std::filesystem::exists(claims)) text += asSection(readTextFile(claims));
     if (std::filesystem::exists(folder.stress())) text += asSection(readTextFile(folder.stress()));
     if (std::filesystem::exists(folder.gate())) text += asSection(readTextFile(folder.gate()));
     writeFileAtomically(folder.summary(), text);

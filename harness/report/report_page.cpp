@@ -117,8 +117,10 @@ Json scenesJson(const RunRecord& record, const std::vector<PageScene>& scenes) {
         const RunRecord::SceneEntry& scene = record.scenes[i];
         Json frames = Json::array();
         for (const PageScene::Frame& frame : scenes[i].frames)
-            frames.push_back(
-                {{"index", frame.index}, {"width", frame.width}, {"height", frame.height}});
+            frames.push_back({{"index", frame.index},
+                              {"width", frame.width},
+                              {"height", frame.height},
+                              {"rows", frame.rows}});
         out.push_back({{"id", scene.id},
                        {"shows", scene.shows},
                        {"figure", scene.figure},
@@ -149,6 +151,25 @@ Json referencesJson(const std::vector<ReferenceStats>& references) {
     return out;
 }
 
+Json analysisJson(const std::vector<EffectsRecord>& analysis) {
+    Json out = Json::array();
+    for (const EffectsRecord& record : analysis) {
+        Json effects = Json::array();
+        for (const EffectInfo& info : allEffects()) {
+            const EffectFinding& finding = record.findings[info.effect];
+            effects.push_back({{"effect", info.id},
+                               {"called_for", finding.calledFor},
+                               {"evidence", finding.evidence}});
+        }
+        out.push_back({{"scene", record.scene},
+                       {"frame", record.frame},
+                       {"load_ms", record.loadMs},
+                       {"analysis_ms", record.analysisMs},
+                       {"effects", std::move(effects)}});
+    }
+    return out;
+}
+
 Json metricsJson() {
     Json out = Json::array();
     for (const MetricInfo& metric : allMetrics())
@@ -165,7 +186,7 @@ Json pairsJson(const std::vector<std::pair<std::string, std::string>>& pairs) {
 /// paired.csv and the like as they are: header and lines of texts.
 Json tablesJson(const RunFolder& folder) {
     Json out = Json::object();
-    for (const char* name : {"paired", "stress", "claims"}) {
+    for (const char* name : {"paired", "stress", "claims", "effects"}) {
         const std::filesystem::path path = folder.root() / fmt::format("{}.csv", name);
         if (!std::filesystem::exists(path)) continue;
         Json lines = Json::array();
@@ -231,6 +252,7 @@ Json runJson(const RunFolder& folder, const RunRecord& record, const std::vector
             {"scenes", scenesJson(record, scenes)},
             {"settings", settingsJson(record.settings)},
             {"references", referencesJson(record.references)},
+            {"analysis", analysisJson(record.analysis)},
             {"tables", tablesJson(folder)},
             {"stride", stride},
             {"planes",

@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "harness/report/shade_rows.hpp"
+
 namespace penumbra {
 
 namespace {
@@ -19,8 +21,8 @@ Image rgbImage(const GBuffer& gbuffer) {
     return Image::withChannels(gbuffer.width, gbuffer.height, {"R", "G", "B"});
 }
 
-void setPixel(Image& image, std::size_t pixel, const glm::vec3& rgb) {
-    std::copy_n(&rgb[0], 3, &image.pixels[3 * pixel]);
+void setPixel(std::span<float> image, std::size_t pixel, const glm::vec3& rgb) {
+    std::copy_n(&rgb[0], 3, &image[3 * pixel]);
 }
 
 float luminance(const glm::vec3& rgb) {
@@ -59,22 +61,27 @@ PictureLight pictureLight(const GBuffer& gbuffer) {
     return light;
 }
 
+void shadeRows(const GBuffer& gbuffer, std::span<const float> visibility, const PictureLight& light,
+               int beginRow, int endRow, std::span<float> rgb) {
+    const auto width = static_cast<std::size_t>(gbuffer.width);
+    const std::size_t begin = width * static_cast<std::size_t>(beginRow);
+    for (std::size_t i = begin; i < width * static_cast<std::size_t>(endRow); ++i) {
+        glm::vec3 colour = kBackground;
+        if (gbuffer.mask[i] != PixelClass::background) {
+            const float v = std::clamp(visibility[i], 0.0F, 1.0F);
+            const float direct = gbuffer.irradianceUnshadowed[i] * light.radiance * v;
+            colour = std::isfinite(visibility[i]) ? gbuffer.albedo[i] * glm::one_over_pi<float>() *
+                                                        (direct + light.ambientIrradiance)
+                                                  : kNotFinite;
+        }
+        setPixel(rgb, i - begin, colour);
+    }
+}
+
 Image shadeVisibility(const GBuffer& gbuffer, std::span<const float> visibility,
                       const PictureLight& light) {
     Image image = rgbImage(gbuffer);
-    for (std::size_t i = 0; i < gbuffer.size(); ++i) {
-        if (gbuffer.mask[i] == PixelClass::background) {
-            setPixel(image, i, kBackground);
-        } else if (!std::isfinite(visibility[i])) {
-            setPixel(image, i, kNotFinite);
-        } else {
-            const float v = std::clamp(visibility[i], 0.0F, 1.0F);
-            const float direct = gbuffer.irradianceUnshadowed[i] * light.radiance * v;
-            setPixel(
-                image, i,
-                gbuffer.albedo[i] * glm::one_over_pi<float>() * (direct + light.ambientIrradiance));
-        }
-    }
+    shadeRows(gbuffer, visibility, light, 0, gbuffer.height, image.pixels);
     return image;
 }
 
@@ -88,14 +95,20 @@ glm::vec3 errorColour(float error) {
     return root * root;
 }
 
+void errorRows(const GBuffer& gbuffer, std::span<const float> visibility,
+               const Reference& reference, int beginRow, int endRow, std::span<float> rgb) {
+    const auto width = static_cast<std::size_t>(gbuffer.width);
+    const std::size_t begin = width * static_cast<std::size_t>(beginRow);
+    for (std::size_t i = begin; i < width * static_cast<std::size_t>(endRow); ++i)
+        setPixel(rgb, i - begin,
+                 isAsked(gbuffer.mask[i]) ? errorColour(visibility[i] - reference.visibility[i])
+                                          : hatching(gbuffer, i));
+}
+
 Image errorMap(const GBuffer& gbuffer, std::span<const float> visibility,
                const Reference& reference) {
     Image image = rgbImage(gbuffer);
-    for (std::size_t i = 0; i < gbuffer.size(); ++i) {
-        setPixel(image, i,
-                 isAsked(gbuffer.mask[i]) ? errorColour(visibility[i] - reference.visibility[i])
-                                          : hatching(gbuffer, i));
-    }
+    errorRows(gbuffer, visibility, reference, 0, gbuffer.height, image.pixels);
     return image;
 }
 
@@ -115,13 +128,14 @@ Image classMap(const GBuffer& gbuffer, const Reference& reference) {
     Image image = rgbImage(gbuffer);
     for (std::size_t i = 0; i < gbuffer.size(); ++i) {
         if (gbuffer.mask[i] == PixelClass::horizon) {
-            setPixel(image, i, horizon.rgb);
+            setPixel(image.pixels, i, horizon.rgb);
         } else if (gbuffer.mask[i] != PixelClass::scored) {
-            setPixel(image, i, hatching(gbuffer, i));
+            setPixel(image.pixels, i, hatching(gbuffer, i));
         } else if (classes[i] == LightClass::lit) {
-            setPixel(image, i, lit.rgb);
+            setPixel(image.pixels, i, lit.rgb);
         } else {
-            setPixel(image, i, classes[i] == LightClass::penumbra ? penumbra.rgb : umbra.rgb);
+            setPixel(image.pixels, i,
+                     classes[i] == LightClass::penumbra ? penumbra.rgb : umbra.rgb);
         }
     }
     return image;

@@ -20,6 +20,7 @@
 
 #include "core/error.hpp"
 #include "harness/run/csv.hpp"
+#include "harness/run/row_check.hpp"
 
 namespace penumbra {
 
@@ -195,11 +196,16 @@ Row parseRow(const CsvRecord& record, const std::vector<std::string>& header,
 constexpr std::array<std::string_view, 4> kSigned = {"bias", "ssim", "penumbra_width_error",
                                                      "penumbra_shift"};
 
+/// Names become names of files and folders.
+void refusePath(const std::string& name, std::string_view column, const std::string& at) {
+    const bool isPath = name == "." || name == ".." ||
+                        name.find_first_of(std::string_view("/\0", 2)) != std::string::npos;
+    if (name.empty() || isPath)
+        throw InputError(fmt::format("{}: column {}: '{}' is no name", at, column, name));
+}
+
 /// Refuses what parses but no run writes; `at` is file:line.
 void refuseImpossible(const Row& row, const std::string& at) {
-    if (row.status != "ok" && row.status != "failed" && row.status != "unsupported")
-        throw InputError(fmt::format("{}: column status: '{}'; valid are ok, failed, unsupported",
-                                     at, row.status));
     for (const Column& c : columns()) {
         if (c.text) continue;
         const std::string field = c.write(row);
@@ -210,6 +216,22 @@ void refuseImpossible(const Row& row, const std::string& at) {
         if (value < 0.0 && std::ranges::find(kSigned, c.name) == kSigned.end())
             throw InputError(fmt::format("{}: column {}: '{}' is below 0", at, c.name, field));
     }
+}
+
+void refuseUnknownStatus(const Row& row, const std::string& at) {
+    if (row.status != "ok" && row.status != "failed" && row.status != "unsupported")
+        throw InputError(fmt::format("{}: column status: '{}'; valid are ok, failed, unsupported",
+                                     at, row.status));
+}
+
+using LineOfCell = std::map<std::string, std::size_t>;
+
+void refuseRepeated(LineOfCell& lines, const Row& row, std::size_t line, const std::string& at) {
+    const auto [first, isNew] = lines.emplace(row.key(), line);
+    if (!isNew)
+        throw InputError(
+            fmt::format("{}: scene {} frame {} setting {} has a row in line {} already", at,
+                        row.scene, row.frame, row.setting, first->second));
 }
 
 [[noreturn]] void throwErrno(const std::filesystem::path& path, const char* what) {
@@ -278,7 +300,11 @@ std::string toJson(const Row& row) {
     return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
-std::vector<Row> readCsv(const std::filesystem::path& path) {
+namespace {
+
+/// `check` is given each row and its line.
+template <class Check>
+std::vector<Row> readRows(const std::filesystem::path& path, Check check) {
     const std::string file = path.string();
     const std::string text = readTextFile(path);
     if (isTornHeader(text)) return {};
@@ -294,9 +320,28 @@ std::vector<Row> readCsv(const std::filesystem::path& path) {
     }
     std::vector<Row> rows;
     for (std::size_t i = 1; i < records.complete.size(); ++i) {
-        rows.push_back(parseRow(records.complete[i], header, file));
+        Row row = parseRow(records.complete[i], header, file);
+        check(row, records.complete[i].line);
+        rows.push_back(std::move(row));
     }
     return rows;
+}
+
+}  // namespace
+
+std::vector<Row> readCsv(const std::filesystem::path& path) {
+    return readRows(path, [](const Row&, std::size_t) {});
+}
+
+std::vector<Row> readCheckedCsv(const std::filesystem::path& path) {
+    LineOfCell lines;
+    return readRows(path, [&](const Row& row, std::size_t line) {
+        const std::string at = fmt::format("{}:{}", path.string(), line);
+        refusePath(row.scene, "scene", at);
+        refusePath(row.setting, "setting", at);
+        refuseImpossible(row, at);
+        refuseRepeated(lines, row, line, at);
+    });
 }
 
 ResultsTable readResultsTable(const std::filesystem::path& path) {
@@ -325,18 +370,14 @@ ResultsTable readResultsTable(const std::filesystem::path& path) {
             throw InputError(fmt::format("{}:1: column {} is missing; the columns are {}", file,
                                          needed, csvHeader()));
 
-    std::map<std::string, std::size_t> lineOf;
+    LineOfCell lines;
     for (std::size_t i = 1; i < records.complete.size(); ++i) {
         const CsvRecord& record = records.complete[i];
         const std::string at = fmt::format("{}:{}", file, record.line);
         Row row = parseRow(record, header, file);
+        refuseUnknownStatus(row, at);
         refuseImpossible(row, at);
-        const auto [first, isNew] = lineOf.emplace(row.key(), record.line);
-        if (!isNew)
-            throw InputError(
-                fmt::format("{}: scene {} frame {} setting {} has a row in line {} "
-                            "already",
-                            at, row.scene, row.frame, row.setting, first->second));
+        refuseRepeated(lines, row, record.line, at);
         table.rows.push_back(std::move(row));
         table.lines.push_back(record.line);
         for (std::size_t column = 0; column < header.size(); ++column)

@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
+
 #include "core/error.hpp"
 #include "core/image/image.hpp"
+#include "core/image/image_channel.hpp"
 
 namespace penumbra {
 namespace {
@@ -12,6 +15,20 @@ namespace {
 constexpr int kPosition = 0, kNormal = 3, kMask = 6, kAlbedo = 7;
 const std::vector<std::string> kGBufferChannels = {
     "P.X", "P.Y", "P.Z", "N.X", "N.Y", "N.Z", "mask", "albedo.R", "albedo.G", "albedo.B"};
+
+std::vector<float> channelOf(const Image& image, const std::string& name,
+                             const std::filesystem::path& path) {
+    if (std::ranges::find(image.channels, name) == image.channels.end())
+        throw InputError(fmt::format("{}: no channel '{}'", path.string(), name));
+    return image.channel(name);
+}
+
+/// A folder may have been put together by hand.
+void requireSize(const std::filesystem::path& path, const ImageChannel& image, const GBuffer& g) {
+    if (image.width != g.width || image.height != g.height)
+        throw InputError(fmt::format("{}: {} x {} pixels, the frame's gbuffer.exr has {} x {}",
+                                     path.string(), image.width, image.height, g.width, g.height));
+}
 
 }  // namespace
 
@@ -77,16 +94,16 @@ void RunFolder::writeVisibility(const std::string& scene, int frame, const std::
 }
 
 GBuffer RunFolder::readGBuffer(const std::string& scene, int frame) const {
-    const Image image = readImage(images(scene, frame) / "gbuffer.exr");
+    const std::filesystem::path path = images(scene, frame) / "gbuffer.exr";
+    const Image image = readImage(path);
     GBuffer g;
     g.width = image.width;
     g.height = image.height;
+    const auto channel = [&](int index) {
+        return channelOf(image, kGBufferChannels[static_cast<std::size_t>(index)], path);
+    };
     const auto vectors = [&](int first) {
-        const auto name = [&](int i) {
-            return kGBufferChannels[static_cast<std::size_t>(first + i)];
-        };
-        const auto x = image.channel(name(0)), y = image.channel(name(1)),
-                   z = image.channel(name(2));
+        const auto x = channel(first), y = channel(first + 1), z = channel(first + 2);
         std::vector<glm::vec3> out(x.size());
         for (std::size_t i = 0; i < out.size(); ++i) out[i] = {x[i], y[i], z[i]};
         return out;
@@ -94,28 +111,36 @@ GBuffer RunFolder::readGBuffer(const std::string& scene, int frame) const {
     g.position = vectors(kPosition);
     g.geometricNormal = g.shadingNormal = vectors(kNormal);
     g.albedo = vectors(kAlbedo);
-    for (float m : image.channel("mask")) g.mask.push_back(static_cast<PixelClass>(m));
-    g.irradianceUnshadowed =
-        readImage(images(scene, frame) / "reference.exr").channel("irradiance_unshadowed");
+    for (const float m : channel(kMask)) {
+        if (m != 0.0f && m != 1.0f && m != 2.0f && m != 3.0f)
+            throw InputError(
+                fmt::format("{}: a mask of {}; valid are 0, 1, 2, 3", path.string(), m));
+        g.mask.push_back(static_cast<PixelClass>(m));
+    }
+    const std::filesystem::path reference = images(scene, frame) / "reference.exr";
+    ImageChannel irradiance = readChannel(reference, "irradiance_unshadowed");
+    requireSize(reference, irradiance, g);
+    g.irradianceUnshadowed = std::move(irradiance.values);
     return g;
 }
 
 Reference RunFolder::readReference(const std::string& scene, int frame) const {
-    const Image image = readImage(images(scene, frame) / "reference.exr");
+    const std::filesystem::path path = images(scene, frame) / "reference.exr";
+    const Image image = readImage(path);
     Reference r;
     r.width = image.width;
     r.height = image.height;
-    r.visibility = image.channel("visibility");
-    r.standardError = image.channel("standard_error");
-    r.rays = image.channel("rays");
-    r.irradiance = image.channel("irradiance");
-    r.irradianceUnshadowed = image.channel("irradiance_unshadowed");
+    r.visibility = channelOf(image, "visibility", path);
+    r.standardError = channelOf(image, "standard_error", path);
+    r.rays = channelOf(image, "rays", path);
+    r.irradiance = channelOf(image, "irradiance", path);
+    r.irradianceUnshadowed = channelOf(image, "irradiance_unshadowed", path);
     return r;
 }
 
 std::vector<float> RunFolder::readVisibility(const std::string& scene, int frame,
                                              const std::string& name) const {
-    return readImage(setting(scene, frame, name)).channel("visibility");
+    return readChannel(setting(scene, frame, name), "visibility").values;
 }
 
 }  // namespace penumbra

@@ -139,6 +139,9 @@ RunRecord RunRecord::read(const std::filesystem::path& path) {
         lists.at("phases").get_to(r.phases);
         r.skippedScenes = pairsFromJson(j.at("skipped_scenes"));
         return r;
+    } catch (const nlohmann::json::out_of_range& e) {
+        throw InputError(fmt::format("{}: of another version of Penumbra, run `compare` again ({})",
+                                     path.string(), e.what()));
     } catch (const nlohmann::json::exception& e) {
         throw InputError(fmt::format("{}: {}", path.string(), e.what()));
     }

@@ -1,4 +1,5 @@
 #include "harness/study/plot.hpp"
+#include "harness/report/escape.hpp"
 
 #include <cairo-svg.h>
 #include <fmt/format.h>
@@ -8,6 +9,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "harness/report/escape.hpp"
 #include "harness/study/plot_layout.hpp"
 
 namespace penumbra {
@@ -253,19 +255,6 @@ void draw(Canvas& canvas, const Plot& plot) {
 cairo_status_t append(void* text, const unsigned char* bytes, unsigned count) {
     static_cast<std::string*>(text)->append(reinterpret_cast<const char*>(bytes), count);
     return CAIRO_STATUS_SUCCESS;
-}
-
-std::string xmlEscaped(const std::string& text) {
-    std::string out;
-    for (const char c : text) {
-        if (c == '<')
-            out += "&lt;";
-        else if (c == '&')
-            out += "&amp;";
-        else
-            out += c;
-    }
-    return out;
 }
 
 /// cairo numbers its surfaces through the process; the first of a file is the file's.

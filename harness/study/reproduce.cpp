@@ -15,6 +15,7 @@
 #include "core/sampling/sampling.hpp"
 #include "harness/metrics/edge_scan.hpp"
 #include "harness/metrics/metrics.hpp"
+#include "harness/report/report.hpp"
 #include "harness/run/files.hpp"
 #include "harness/run/progress.hpp"
 #include "harness/run/provenance.hpp"
@@ -277,6 +278,7 @@ int reproduce(const ReproduceOptions& options) {
     const std::string page = claimsMarkdown(results, heading);
     writeFileAtomically(folder.root() / "claims.csv", claimsCsv(results));
     writeFileAtomically(folder.root() / "claims.md", page);
+    if (std::filesystem::exists(folder.summary())) writeArtefacts(folder);
     fmt::print(
         "{}",
         options.markdown

@@ -4,6 +4,7 @@ Makes a small run with the program, opens its report from disk and uses it as a 
 """
 
 import csv
+import io
 import json
 import pathlib
 import re
@@ -26,13 +27,19 @@ def penumbra(*words):
 
 
 def setUpModule():
-    global scratch, run, hostile, browser
+    global scratch, run, measured, hostile, browser
     scratch = pathlib.Path(tempfile.mkdtemp(prefix="penumbra-report-"))
     run = scratch / "run"
     made = penumbra("compare", "--scene", "fence", "--scene", "half_plane", "--method", "hard", "--method",
                     "pcf", "--method", "separation", "--ladder", "--size", f"{SIZE}x{SIZE}", "--repeats", 1,
                     "--reference-se", 0.01, "--cache", scratch / "cache", "--out", run)
     assert made.returncode == 0, made.stderr
+    measured = scratch / "measured"
+    made = penumbra("compare", "--scene", "half_plane", "--scene", "two_layers", "--method", "hard", "--method", "pcf",
+                    "--effects-table", "--size", "48x48", "--repeats", 1, "--reference-se", 0.05, "--cache",
+                    scratch / "cache", "--out", measured)
+    assert made.returncode == 0, made.stderr
+    make_claims(measured)
     hostile = scratch / "hostile <b>&'\" run"
     make_hostile(hostile)
     browser = Browser()
@@ -41,6 +48,20 @@ def setUpModule():
 def tearDownModule():
     browser.close()
     shutil.rmtree(scratch)
+
+
+def make_claims(folder):
+    """claims.csv with the columns of `reproduce`, and the page made anew."""
+    header = ("paper,id,claim,place,metric,a_setting,a_scene,a_frame,a_light_scale,a_subdivisions,b_setting,b_scene,"
+              "b_frame,b_light_scale,b_subdivisions,paper_ratio,relation,a,b,ratio,ratio_low,ratio_high,verdict,message")
+    same = "fig. 1,rmse,pcf,half_plane,0,1,0,hard,half_plane,0,1,0,2,2 (within 1.15×),0.2,0.1,2,1.9,2.1"
+    (folder / "claims.csv").write_text(f"""{header}
+a-2000,sharper,"filtering is softer, always",{same},holds,
+a-2000,faster,filtering is free,{same},does not hold,
+a-2000,never,nobody can,{same},could not run,out of memory
+""")
+    made = penumbra("report", folder)
+    assert made.returncode == 0, made.stderr
 
 
 def make_hostile(folder):
@@ -54,6 +75,9 @@ def make_hostile(folder):
     for scene in record["scenes"]:
         if scene["id"] == "fence":
             scene.update(id=HOSTILE_SCENE, shows=HOSTILE_TEXT, figure=HOSTILE_TEXT, source=HOSTILE_TEXT)
+    for found in record["analysis"]:
+        found["scene"] = HOSTILE_SCENE
+        found["effects"]["penumbra"]["evidence"] = HOSTILE_TEXT
     for reference in record["references"]:
         if reference["scene"] == "fence":
             reference["scene"] = HOSTILE_SCENE
@@ -74,6 +98,14 @@ def make_hostile(folder):
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(["case", "method", "setting", "invariant", "status", "deviation", "bound", "note"])
         writer.writerow(["mirror", "hard", "hard", HOSTILE_TEXT, "fail", 0.5, 0.1, HOSTILE_TEXT])
+    with open(folder / "claims.csv", "w", newline="") as file:
+        csv.writer(file, lineterminator="\n").writerows([["paper", HOSTILE_TEXT, "verdict"], [HOSTILE_TEXT] * 3])
+    with open(folder / "effects.csv", "w", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow("scene,frame,method,setting,plan,status,frame_ms,frame_ms_low,frame_ms_high,rmse_to_auto,"
+                        "max_to_auto,rmse".split(","))
+        for plan in ["auto", HOSTILE_TEXT]:
+            writer.writerow([HOSTILE_SCENE, 0, "hard", HOSTILE_TEXT, plan, "ok", 1, 1, 1, 0, 0, 0])
     made = penumbra("report", folder)
     assert made.returncode == 0, made.stderr
 
@@ -312,6 +344,70 @@ class ReportTest(unittest.TestCase):
         self.assertFalse(is_blank("canvas.view"))
 
 
+class MeasuredRunTest(unittest.TestCase):
+    """The sections that a run has only if it was asked for them."""
+
+    def setUp(self):
+        browser.resize(1280, 900)
+        browser.complaints()
+
+    def tearDown(self):
+        self.assertEqual(browser.complaints(), [])
+
+    def test_effects_page_says_what_each_scene_calls_for_and_why(self):
+        browser.open(measured / "report.html", "page=effects")
+        record = json.loads((measured / "run.json").read_text())
+        text = browser.js("return document.querySelector('#page').textContent")
+        for found in record["analysis"]:
+            for effect in found["effects"].values():
+                self.assertIn(effect["evidence"], text)
+        summaries = browser.texts(".evidence summary")
+        self.assertTrue(all("penumbra" in summary for summary in summaries), summaries)
+        self.assertTrue(any(summary.startswith("two_layers, frame") for summary in summaries), summaries)
+        self.assertIn(f"for {len(record['analysis'])} frames", text)
+
+    def test_effects_page_has_what_each_plan_costs(self):
+        with open(measured / "effects.csv", newline="") as file:
+            cells = list(csv.DictReader(file))
+        for view, count in [("page=effects", len({(c["scene"], c["setting"], c["plan"]) for c in cells if c["plan"] != "auto"})),
+                            ("page=effects&by=suite", len({(c["setting"], c["plan"]) for c in cells if c["plan"] != "auto"}))]:
+            browser.open(measured / "report.html", view)
+            self.assertEqual(len(browser.all("#effects-cost tbody tr")), count, view)
+        own = [c for c in cells if (c["setting"], c["plan"]) == ("pcf", "-penumbra")]
+        timed = [c for c in cells if (c["setting"], c["plan"]) == ("pcf", "auto")]
+        self.assertEqual(len(own), len(timed))
+        ratio = sum(float(c["frame_ms"]) for c in own) / sum(float(c["frame_ms"]) for c in timed)
+        error = (sum(float(c["rmse_to_auto"]) ** 2 for c in own) / len(own)) ** 0.5
+        row = next(r for r in browser.js("""
+            return [...document.querySelectorAll("#effects-cost tbody tr")].map((row) => [...row.cells].map((c) => c.textContent))""")
+            if r[:2] == ["pcf", "without penumbra"])
+        # Three digits are shown.
+        self.assertAlmostEqual(float(row[5]) / ratio, 1, delta=0.006)
+        self.assertAlmostEqual(float(row[6]), error, delta=0.006 * error + 1e-12)
+
+    def test_rows_of_the_costs_are_chosen_and_linked(self):
+        browser.open(measured / "report.html", "page=effects")
+        browser.find("[aria-label=Rows] [data-value=suite]").click()
+        self.assertIn("by=suite", browser.js("return location.hash"))
+        self.assertNotIn("half_plane", browser.js("return document.querySelector('#effects-cost').textContent"))
+
+    def test_claims_that_fail_stand_out(self):
+        browser.open(measured / "report.html", "page=claims")
+        self.assertEqual(len(browser.all("tbody tr")), 3)
+        self.assertEqual([title.rstrip() for title in browser.texts("thead th")[:3]], ["paper", "claim", "verdict"])
+        wrong = browser.texts("tr.wrong")
+        self.assertEqual(len(wrong), 2)
+        self.assertTrue("does not hold" in wrong[0] + wrong[1] and "could not run" in wrong[0] + wrong[1], wrong)
+        self.assertIn("holds: 1 · does not hold: 1 · could not run: 1", browser.js("return document.querySelector('#page').textContent"))
+
+    def test_truth_holds_the_reference_against_exact_visibility(self):
+        browser.open(measured / "report.html", "page=truth")
+        record = json.loads((measured / "run.json").read_text())
+        self.assertEqual(len(browser.all("tbody tr")), len(record["references"]))
+        self.assertTrue(all(reference["checked"]["pixels"] > 0 for reference in record["references"]))
+        self.assertIn("%", browser.texts("tbody tr")[0])
+
+
 class HostileRunTest(unittest.TestCase):
     """Nothing that a run folder holds is executed or becomes markup."""
 
@@ -320,7 +416,7 @@ class HostileRunTest(unittest.TestCase):
         browser.complaints()
         scene = browser.js("return encodeURIComponent(arguments[0])", HOSTILE_SCENE)
         for view in ["", f"page=scene&scene={scene}&all=1", f"page=compare&scene={scene}&b=pcf", "page=rows",
-                     "page=effects", "page=truth", "page=stability", "page=provenance"]:
+                     "page=effects", "page=truth", "page=stability", "page=claims", "page=provenance"]:
             browser.go(view) if view else browser.open(hostile / "report.html")
             browser.js("document.querySelectorAll('details.alert').forEach((box) => { box.open = true; })")
             self.assertIsNone(browser.js("return window.hacked ?? null"), view)
@@ -361,6 +457,93 @@ class BadInputTest(unittest.TestCase):
             lines[3] = lines[3].replace(",96,96,", ",96,wide,")
             return "\n".join(lines)
         self.assertIn("results.csv:4: column height: 'wide' is not a number", self.refused("results.csv", change))
+
+    def edited(self, column, value):
+        """results.csv with `value` in the second row."""
+        def change(text):
+            rows = list(csv.reader(text.splitlines()))
+            rows[2][rows[0].index(column)] = value
+            out = io.StringIO()
+            csv.writer(out, lineterminator="\n").writerows(rows)
+            return out.getvalue()
+        return change
+
+    def test_numbers_that_no_run_writes(self):
+        for column, value, why in [("rmse", "nan", "is not finite"), ("rmse", "-0.5", "is below 0"),
+                                   ("frame_ms", "inf", "is not finite"), ("frame_ms", "-3", "is below 0"),
+                                   ("frame", "99999999999", "is not a number"), ("width", "-96", "is below 0"),
+                                   ("frame_ms", "1e999", "is not a number")]:
+            self.assertIn(f"results.csv:3: column {column}: '", error := self.refused("results.csv", self.edited(column, value)))
+            self.assertIn(why, error)
+
+    def test_names_that_lead_elsewhere(self):
+        for column in ["scene", "setting"]:
+            for name in ["../../../escaped", "..", ""]:
+                self.assertIn(f"results.csv:3: column {column}: '{name}' is no name",
+                              self.refused("results.csv", self.edited(column, name)))
+        self.assertEqual(list(scratch.rglob("escaped*")), [])
+
+    def test_a_record_of_another_version(self):
+        def change(text):
+            record = json.loads(text)
+            del record["analysis"]
+            return json.dumps(record)
+        error = self.refused("run.json", change)
+        self.assertIn("run.json: of another version of Penumbra", error)
+        self.assertIn("'analysis'", error)
+
+    def test_effects_that_are_none(self):
+        (run / "effects.csv").write_text("")
+        try:
+            self.assertIn("effects.csv:1: expected the columns", self.refused("effects.csv", lambda text: "scene,frame\n"))
+        finally:
+            (run / "effects.csv").unlink()
+
+    def changed(self, change):
+        """The report of the run after `change(folder)`."""
+        folder = scratch / "changed"
+        shutil.rmtree(folder, ignore_errors=True)
+        shutil.copytree(run, folder)
+        change(folder)
+        return folder, penumbra("report", folder)
+
+    def test_a_run_without_images_has_its_numbers(self):
+        def change(folder):
+            shutil.rmtree(folder / "images" / "half_plane")
+            (folder / "images" / "fence" / "0001" / "hard.exr").unlink()
+        folder, made = self.changed(change)
+        self.assertEqual(made.returncode, 0, made.stderr)
+        self.assertFalse((folder / "grid" / "half_plane.png").exists(), "a grid of images that are gone")
+        self.assertTrue((folder / "grid" / "fence.png").exists())
+        browser.complaints()
+        for view in ["", "page=scene&scene=half_plane&all=1", "page=scene&scene=fence&all=1", "page=compare&scene=half_plane",
+                     "page=compare&scene=fence&frame=1&b=hard"]:
+            browser.open(folder / "report.html", view)
+            self.assertEqual(browser.complaints(), [], view)
+        browser.open(folder / "report.html", "page=scene&scene=half_plane")
+        self.assertIn("no image", browser.js("return document.querySelector('#page').textContent"))
+
+    def test_images_that_do_not_fit(self):
+        def change(folder):
+            shutil.copy(measured / "images" / "half_plane" / "0000" / "hard.exr", folder / "images" / "half_plane" / "0000")
+        _, made = self.changed(change)
+        self.assertEqual(made.returncode, 2)
+        self.assertIn("half_plane/0000/hard.exr: 2304 pixels, the frame's gbuffer.exr has 9216", made.stderr)
+        _, made = self.changed(lambda folder: (folder / "images" / "half_plane" / "0000" / "hard.exr").write_text("none"))
+        self.assertEqual(made.returncode, 2)
+        self.assertIn("hard.exr: ", made.stderr)
+        self.assertEqual(made.stderr.strip().count("\n"), 0, made.stderr)
+
+    def test_a_last_line_cut_short_is_left_out(self):
+        """As a kill leaves it: --resume makes that row again."""
+        def change(folder):
+            text = (folder / "results.csv").read_text()
+            (folder / "results.csv").write_text(text[:-20])
+        folder, made = self.changed(change)
+        self.assertEqual(made.returncode, 0, made.stderr)
+        browser.open(folder / "report.html", "page=rows")
+        with open(run / "results.csv", newline="") as file:
+            self.assertEqual(len(browser.all("tbody tr")), sum(1 for _ in csv.reader(file)) - 2)
 
     def test_a_line_that_lacks_fields(self):
         self.assertIn("results.csv:3: 5 fields, expected", self.refused(

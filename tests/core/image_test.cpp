@@ -13,6 +13,8 @@
 #include <limits>
 
 #include "core/error.hpp"
+#include "core/image/image_channel.hpp"
+#include "core/image/srgb.hpp"
 
 namespace penumbra {
 namespace {
@@ -142,6 +144,24 @@ TEST_F(ImageTest, WhatCannotBeReadIsAnInputErrorInOneLine) {
     }
 }
 
+TEST_F(ImageTest, AChannelIsReadAlone) {
+    const Image image = awkwardImage();
+    writeExr(path("a.exr"), image);
+    for (const std::string& name : image.channels) {
+        const ImageChannel channel = readChannel(path("a.exr"), name);
+        EXPECT_EQ(channel.width, image.width);
+        EXPECT_EQ(channel.height, image.height);
+        // Bits, for some are NaN.
+        const std::vector<float> expected = image.channel(name);
+        ASSERT_EQ(channel.values.size(), expected.size());
+        EXPECT_EQ(std::memcmp(channel.values.data(), expected.data(), 4 * expected.size()), 0)
+            << name;
+    }
+    const std::string message =
+        messageOf<InputError>([&] { readChannel(path("a.exr"), "absent"); });
+    EXPECT_NE(message.find("a.exr: no channel 'absent'; it has "), std::string::npos) << message;
+}
+
 TEST_F(ImageTest, PngIsSrgbClampedAndTopRowFirst) {
     Image image = Image::withChannels(2, 2, {"R", "G", "B"});
     const float nan = std::numeric_limits<float>::quiet_NaN();
@@ -236,6 +256,8 @@ TEST(Image, BytesAreThoseOfTheSrgbFormula) {
         const float x = static_cast<float>(i) / 1'000'000;
         ASSERT_EQ(srgb8(x), formula(x)) << x;
     }
+    for (int byte = 0; byte < 256; ++byte)
+        EXPECT_EQ(srgb8(linearOf(static_cast<std::uint8_t>(byte))), byte);
     EXPECT_EQ(srgb8(-1.0f), 0);
     EXPECT_EQ(srgb8(2.0f), 255);
     EXPECT_EQ(srgb8(std::numeric_limits<float>::quiet_NaN()), 0);

@@ -69,6 +69,13 @@ reason = "methods of microseconds on a machine that others use"
         EXPECT_EQ(compare(options(run, {script("edge")}, methods)), 0);
         ::testing::internal::GetCapturedStdout();
     }
+    /// An approved run "before", and "leaks", which is brighter.
+    void measureLeak() const {
+        measured("before", {"fake_leaky"});
+        approved("before");
+        Leaky::visibility = 0.9f;
+        measured("leaks", {"fake_leaky"});
+    }
     std::string text(const std::string& file) const { return readTextFile(path(file)); }
 };
 
@@ -143,10 +150,7 @@ TEST_F(GateCheck, ALeakThatOnlyTheFileHasFails) {
 }
 
 TEST_F(GateCheck, ARunMadeElsewhereIsNotMeasuredAgain) {
-    measured("before", {"fake_leaky"});
-    approved("before");
-    Leaky::visibility = 0.9f;
-    measured("leaks", {"fake_leaky"});
+    measureLeak();
     RunRecord other = record("leaks");
     for (auto& [name, value] : other.provenance)
         if (name == "commit") value = "another";
@@ -189,10 +193,7 @@ TEST_F(GateCheck, AVanishedRowFailsUnlessItWasNotAskedFor) {
 }
 
 TEST_F(GateCheck, CiIsTold) {
-    measured("before", {"fake_leaky"});
-    approved("before");
-    Leaky::visibility = 0.9f;
-    measured("leaks", {"fake_leaky"});
+    measureLeak();
     setenv("GITHUB_ACTIONS", "true", 1);
     setenv("GITHUB_STEP_SUMMARY", path("step.md").c_str(), 1);
     const Checked done = checked("leaks");

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/image/srgb.hpp"
 #include "harness/report/shade.hpp"
 
 namespace penumbra {
@@ -171,7 +172,11 @@ Image gridOf(const Scenery& s, const Row& row, std::size_t cells,
              const std::vector<float>& visibility, std::size_t frames = 1) {
     GridFrame frame{0, &s.gbuffer, &s.reference, {}};
     frame.cells.assign(cells, GridCell{&row, visibility});
-    return renderGrid("disc", "a disc", std::vector<GridFrame>(frames, frame));
+    const GridPicture grid = renderGrid("disc", "a disc", std::vector<GridFrame>(frames, frame));
+    Image image = Image::withChannels(grid.width, grid.height, {"R", "G", "B"});
+    EXPECT_EQ(grid.rgb.size(), image.pixels.size());
+    std::ranges::transform(grid.rgb, image.pixels.begin(), linearOf);
+    return image;
 }
 
 TEST(RenderGrid, WidthFollowsTheColumns) {

@@ -87,7 +87,7 @@ TEST(PageData, Base64OfRfc4648) {
 TEST_F(PageTest, ShellHoldsItsPartsAndEscapesTheTitle) {
     const std::array data{jsonData("rows", {1, 2})};
     const PageShell shell = pageShell(source_, data);
-    EXPECT_THAT(shell.head, HasSubstr("<title>a &lt;b> &amp; c</title>"));
+    EXPECT_THAT(shell.head, HasSubstr("<title>a &lt;b&gt; &amp; c</title>"));
     EXPECT_THAT(shell.head, HasSubstr("body { margin: 0 }p { margin: 0 }"));
     EXPECT_THAT(shell.head, HasSubstr("<p>hello</p>"));
     EXPECT_THAT(shell.head, HasSubstr("id=\"rows\">[1,2]</script>"));

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "core/error.hpp"
+#include "harness/run/row_check.hpp"
 
 namespace penumbra {
 namespace {
@@ -309,6 +310,34 @@ TEST_F(CsvFile, ATableTrustsNothing) {
     EXPECT_EQ(edited(",0.01,", ",-0.01,"), ":2: column rmse: '-0.01' is below 0");
     EXPECT_EQ(edited(",0.01,", ",fast,"), ":2: column rmse: 'fast' is not a number");
     EXPECT_EQ(edited(",0.01,", ","), ":2: 52 fields, expected 53");
+}
+
+TEST_F(CsvFile, ACheckedReadingRefusesWhatNoRunWrites) {
+    const auto refused = [&](const std::string& was, const std::string& is) -> std::string {
+        std::string line = toCsv(fullRow());
+        line.replace(line.find(was), was.size(), is);
+        write(csvHeader() + "\n" + line + "\n");
+        try {
+            readCheckedCsv(path);
+        } catch (const InputError& error) {
+            return std::string(error.what()).substr(path.string().size());
+        }
+        return "";
+    };
+    EXPECT_EQ(refused(",0.01,", ",0.01,"), "");
+    EXPECT_EQ(refused(",ok,", ",fine,"), "");
+    EXPECT_EQ(refused(",0.01,", ",nan,"), ":2: column rmse: 'nan' is not finite");
+    EXPECT_EQ(refused(",0.01,", ",-0.01,"), ":2: column rmse: '-0.01' is below 0");
+    for (const std::string name : {"..", "../two_layers", "/etc/passwd", ""}) {
+        EXPECT_EQ(refused("two_layers,", name + ","),
+                  ":2: column scene: '" + name + "' is no name");
+        EXPECT_EQ(refused(",pcf-0a1b2c3d,", "," + name + ","),
+                  ":2: column setting: '" + name + "' is no name");
+    }
+    write(csvHeader() + "\n" + toCsv(fullRow()) + "\ncut");
+    EXPECT_EQ(readCheckedCsv(path).size(), 1u);
+    write(csvHeader() + "\n" + toCsv(fullRow()) + "\n" + toCsv(fullRow()) + "\n");
+    EXPECT_THROW(readCheckedCsv(path), InputError) << "two rows of one cell";
 }
 
 TEST(NumberInColumn, GivesWhatTheCsvHas) {

@@ -63,4 +63,4 @@ export async function visibilityOfRow(row, width) {
   return visibilityOf(await plane(`visibility-${row.id}`, width));
 }
 
-export const hasImage = (row, scene) => row.status === "ok" && scene.sizes.has(row.frame);
+export const hasImage = (row, scene) => scene.sizes.get(row.frame)?.rows.includes(row.id) ?? false;

@@ -3,10 +3,11 @@ import {alertBar} from "./alerts.js";
 import {comparePage} from "./compare_page.js";
 import {pageData} from "./data.js";
 import {byId, el, fill} from "./dom.js";
+import {effectsPage} from "./effects_page.js";
 import {overview} from "./overview.js";
 import {run} from "./run.js";
 import {scenePage} from "./scene_page.js";
-import {effectsPage, provenancePage, rowsPage, tablePages, truthPage} from "./sections.js";
+import {provenancePage, rowsPage, tablePages, truthPage} from "./sections.js";
 import {linkTo, onGo, state} from "./state.js";
 import {themeButton} from "./theme.js";
 

@@ -1,15 +1,10 @@
-// Pages of tables: all rows, effects, the reference's truth, stability, claims, pairs, provenance.
+// Pages of tables: all rows, the reference's truth, stability, claims, pairs, provenance.
 import {alerts} from "./alerts.js";
 import {copyButton, el, fill} from "./dom.js";
 import {count, number, percent} from "./format.js";
-import {isSeparation, rows, run} from "./run.js";
-import {keep, linkTo} from "./state.js";
+import {rows, run} from "./run.js";
+import {linkTo, remembered} from "./state.js";
 import {dataTable} from "./table.js";
-
-// Filter and order of the page's table in the hash; `sort` is the column where it says none.
-const remembered = (view, sort = null) => ({filter: view.filter ?? "",
-  sort: view.sort ? {column: view.sort, descending: view.down === "1"} : sort && {column: sort, descending: false},
-  changed: ({sort, filter}) => keep({sort: sort?.column, down: sort?.descending ? "1" : "", filter})});
 
 export function rowsPage(page, view) {
   const columns = run.columns.map(({name, values}) => ({name, number: Boolean(values),
@@ -19,34 +14,6 @@ export function rowsPage(page, view) {
     doc: run.metrics.find(({id}) => id === name)?.doc}));
   fill(page, el("h1", {}, "Every row"), el("p", {class: "soft"}, "results.csv as it is; the download has full precision."),
     dataTable(columns, rows, {name: "results", most: 100, ...remembered(view)}));
-}
-
-// Effects: which a scene calls for, and what each method makes of it.
-export function effectsPage(page, view) {
-  const words = (text) => text.split(/\s+/).filter(Boolean);
-  const groups = new Map();
-  for (const row of rows) {
-    if (isSeparation(row) || row.status !== "ok" || row.renderer === run.external_renderer) continue;
-    const key = JSON.stringify([row.scene, row.method]);
-    const group = groups.get(key) ?? {scene: row.scene, method: row.method, simulated: new Set(), skipped: new Set(), missing: new Set()};
-    for (const column of ["simulated", "skipped", "missing"])
-      for (const word of words(row[`effects_${column}`])) group[column].add(word);
-    groups.set(key, group);
-  }
-  const list = [...groups.values()];
-  const all = [...new Set(list.flatMap(({simulated, skipped, missing}) => [...simulated, ...skipped, ...missing]))].sort();
-  const mark = {simulated: "✓", skipped: "–", missing: "✗ missing"};
-  const stateOf = (group, effect) => ["missing", "simulated", "skipped"].find((column) => group[column].has(effect)) ?? "";
-  fill(page, el("h1", {}, "Effects"),
-    el("p", {}, "A method simulates what the scene calls for and it can: ✓. What the scene does not call for costs nothing: –. ",
-      "What is called for but beyond the method is an error that the numbers contain: ✗."),
-    el("p", {class: "soft"}, `Asked for: ${run.effects.join(", ")}.`),
-    dataTable([
-      {name: "scene", value: (g) => g.scene, show: (g) => el("a", {href: linkTo({page: "scene", scene: g.scene})}, g.scene)},
-      {name: "method", value: (g) => g.method},
-      ...all.map((effect) => ({name: effect, title: effect.replaceAll("_", " "), value: (g) => stateOf(g, effect),
-        show: (g) => el("span", {class: stateOf(g, effect) === "missing" ? "bad" : "soft"}, mark[stateOf(g, effect)] ?? "")})),
-    ], list, {name: "effects", ...remembered(view)}));
 }
 
 export function truthPage(page, view) {
@@ -65,11 +32,13 @@ export function truthPage(page, view) {
     ], run.references, {name: "references", ...remembered(view)}));
 }
 
-// A table of the run folder as it is: header and lines of texts.
-function plainTable(name, view, {sort, rowClass}) {
+// A table of the run folder as it is: header and lines of texts; columns called `first` come first.
+function plainTable(name, view, {first, sort, rowClass}) {
   const [header, ...lines] = run.tables[name];
   const isNumber = header.map((_, c) => lines.length > 0 && lines.every((line) => line[c] === "" || Number.isFinite(Number(line[c]))));
-  return dataTable(header.map((title, c) => ({name: title, title: title.replaceAll("_", " "), number: isNumber[c],
+  const order = [...header.keys()].sort((a, b) => (first.includes(header[b]) - first.includes(header[a])) ||
+    (first.includes(header[a]) ? first.indexOf(header[a]) - first.indexOf(header[b]) : a - b));
+  return dataTable(order.map((c) => [header[c], c]).map(([title, c]) => ({name: title, title: title.replaceAll("_", " "), number: isNumber[c],
     value: (line) => (isNumber[c] && line[c] !== "" ? Number(line[c]) : line[c]),
     show: isNumber[c] ? (line) => (line[c] === "" ? "" : number(Number(line[c]))) : null})),
     lines, {name, ...remembered(view, sort), rowClass});
@@ -87,11 +56,12 @@ function tally(name, title) {
 }
 
 const tables = {
-  stability: {name: "stress", title: "Stability", tally: "status",
+  stability: {name: "stress", title: "Stability", tally: "status", first: ["case", "method", "status", "deviation", "bound"],
     about: "Numerical hard cases: what must hold, and by how much it does not."},
   claims: {name: "claims", title: "Claims of the papers", tally: "verdict",
-    about: "Each claim as a ratio measured in one run, against the paper's."},
-  pairs: {name: "paired", title: "Pairs", tally: null,
+    first: ["paper", "claim", "verdict", "metric", "paper_ratio", "relation", "ratio", "ratio_low", "ratio_high", "message"],
+    about: "Each claim as a ratio a / b measured in one run: relation is what has to hold of it, paper ratio what the paper reports."},
+  pairs: {name: "paired", title: "Pairs", tally: null, first: [],
     about: "Frames timed in pairs, each as one line; a speed-up above 1 is in favour of A. summary.md has the verdict."},
 };
 
@@ -99,10 +69,10 @@ export const tablePages = Object.entries(tables).filter(([, {name}]) => run.tabl
   id, title: section.title,
   draw: (page, view) => {
     const status = section.tally ? columnOf(section.name, section.tally) : () => "";
-    const wrong = (line) => (/^(fail|does not hold|could)/i.test(status(line) ?? "") ? "wrong" : "");
+    const wrong = (line) => (/^(fail|mended|does not hold|could)/i.test(status(line) ?? "") ? "wrong" : "");
     fill(page, el("h1", {}, section.title), el("p", {}, section.about),
       section.tally ? el("p", {class: "soft"}, tally(section.name, section.tally)) : null,
-      plainTable(section.name, view, {sort: section.tally, rowClass: wrong}));
+      plainTable(section.name, view, {first: section.first, sort: section.tally, rowClass: wrong}));
   },
 }));
 

@@ -23,6 +23,11 @@ export function keep(changes) {
   history.replaceState(null, "", linkTo({...state(), ...changes}));
 }
 
+// Filter and order of the page's table in the hash; `sort` is the column where it says none.
+export const remembered = (view, sort = null) => ({filter: view.filter ?? "",
+  sort: view.sort ? {column: view.sort, descending: view.down === "1"} : sort && {column: sort, descending: false},
+  changed: ({sort: order, filter}) => keep({sort: order?.column, down: order?.descending ? "1" : "", filter})});
+
 export function onGo(draw) {
   listeners.push(draw);
 }

@@ -1,16 +1,21 @@
 // Light or dark: the system's choice until the reader makes one.
 import {el} from "./dom.js";
 
-const stored = () => {
+let chosen = (() => {
   try { return localStorage.getItem("penumbra-theme"); } catch { return null; }
-};
+})();
 
 const systemIsDark = matchMedia("(prefers-color-scheme: dark)");
 const listeners = [];
 
+// As page.css has the colours.
+function apply() {
+  document.documentElement.dataset.theme = chosen ?? (systemIsDark.matches ? "dark" : "light");
+}
+apply();
+
 export function isDark() {
-  const chosen = document.documentElement.dataset.theme;
-  return chosen ? chosen === "dark" : systemIsDark.matches;
+  return document.documentElement.dataset.theme === "dark";
 }
 
 // A colour of page.css as it is now.
@@ -23,18 +28,16 @@ export function onThemeChange(draw) {
   listeners.push(draw);
 }
 
-// The button; it also brings back what the reader chose before.
 export function themeButton() {
-  if (stored()) document.documentElement.dataset.theme = stored();
   const label = () => (isDark() ? "Light" : "Dark");
   const changed = () => {
+    apply();
     button.textContent = label();
     listeners.forEach((draw) => draw());
   };
   const button = el("button", {type: "button", id: "theme", onclick: () => {
-    const theme = isDark() ? "light" : "dark";
-    document.documentElement.dataset.theme = theme;
-    try { localStorage.setItem("penumbra-theme", theme); } catch { /* a reader who keeps nothing */ }
+    chosen = isDark() ? "light" : "dark";
+    try { localStorage.setItem("penumbra-theme", chosen); } catch { /* a reader who keeps nothing */ }
     changed();
   }}, label());
   systemIsDark.addEventListener("change", changed);
