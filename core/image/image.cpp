@@ -2,21 +2,17 @@
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <atomic>
-#include <cerrno>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <memory>
 #include <stdexcept>
 
 #include "core/error.hpp"
+#include "core/file/atomic_file.hpp"
 #include "core/image/image_channel.hpp"
 #include "core/image/srgb.hpp"
 
@@ -33,32 +29,6 @@ std::size_t channelIndex(const Image& image, const std::string& name) {
         throw std::runtime_error(fmt::format("the image has no channel '{}'; it has {}", name,
                                              fmt::join(image.channels, ", ")));
     return static_cast<std::size_t>(at - image.channels.begin());
-}
-
-/// Writes `bytes` to a temporary file beside `path` and renames it, so that `path` is complete or
-/// as it was.
-void writeAtomically(const std::filesystem::path& path, const std::vector<unsigned char>& bytes) {
-    static std::atomic<unsigned> counter{0};
-    const std::string temporary = fmt::format("{}.{}.{}.tmp", path.string(), getpid(), counter++);
-    const auto fail = [&](int error) {
-        unlink(temporary.c_str());
-        throw std::runtime_error(fmt::format("{}: {}", path.string(), std::strerror(error)));
-    };
-    const int fd = open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (fd < 0) fail(errno);
-    std::size_t written = 0;
-    while (written < bytes.size()) {
-        const ssize_t n = write(fd, bytes.data() + written, bytes.size() - written);
-        if (n < 0 && errno == EINTR) continue;
-        if (n < 0) {
-            const int error = errno;
-            close(fd);
-            fail(error);
-        }
-        written += static_cast<std::size_t>(n);
-    }
-    if (close(fd) != 0) fail(errno);
-    if (rename(temporary.c_str(), path.c_str()) != 0) fail(errno);
 }
 
 std::uint8_t srgbByte(float x) {
@@ -92,19 +62,18 @@ class SrgbSteps {
     std::array<float, 257> least_{};  ///< value from which on it is this byte
 };
 
-/// Encodes in memory, because OpenImageIO does not report what fails when a file is closed.
-void encodeAndWrite(const std::filesystem::path& path, const char* format,
-                    const OIIO::ImageSpec& spec, OIIO::TypeDesc type, const void* pixels) {
+/// The file in memory, because OpenImageIO does not report what fails when a file is closed; throws
+/// std::runtime_error.
+std::string encode(const char* format, const OIIO::ImageSpec& spec, OIIO::TypeDesc type,
+                   const void* pixels) {
     std::vector<unsigned char> bytes;
     OIIO::Filesystem::IOVecOutput sink(bytes);
     const auto output = OIIO::ImageOutput::create(format);
-    if (!output)
-        throw std::runtime_error(
-            fmt::format("{}: OpenImageIO has no {} writer", path.string(), format));
+    if (!output) throw std::runtime_error(fmt::format("OpenImageIO has no {} writer", format));
     if (!output->set_ioproxy(&sink) || !output->open(format, spec) ||
         !output->write_image(type, pixels) || !output->close())
-        throw std::runtime_error(fmt::format("{}: {}", path.string(), output->geterror()));
-    writeAtomically(path, bytes);
+        throw std::runtime_error(fmt::format("{}: {}", format, output->geterror()));
+    return {bytes.begin(), bytes.end()};
 }
 
 [[noreturn]] void refuse(const std::filesystem::path& path, std::string why) {
@@ -166,13 +135,17 @@ void Image::setChannel(const std::string& name, std::span<const float> values) {
     for (std::size_t i = 0; i < values.size(); ++i) pixels[i * channelCount() + first] = values[i];
 }
 
-void writeExr(const std::filesystem::path& path, const Image& image) {
+std::string encodeExr(const Image& image) {
     OIIO::ImageSpec spec(image.width, image.height, static_cast<int>(image.channelCount()),
                          OIIO::TypeDesc::FLOAT);
     spec.channelnames = image.channels;
     spec.attribute("compression", "zip");
     spec.attribute("DateTime", "");  // else the time of writing: equal images are equal files
-    encodeAndWrite(path, "exr", spec, OIIO::TypeDesc::FLOAT, image.pixels.data());
+    return encode("exr", spec, OIIO::TypeDesc::FLOAT, image.pixels.data());
+}
+
+void writeExr(const std::filesystem::path& path, const Image& image) {
+    writeFileAtomically(path, encodeExr(image));
 }
 
 std::uint8_t srgb8(float linear) {
@@ -219,7 +192,7 @@ void writePngBytes(const std::filesystem::path& path, int width, int height,
     // for an eighth more bytes of a run's grids.
     spec.attribute("png:compressionLevel", 1);
     spec.attribute("png:filter", kPngFilterNone);
-    encodeAndWrite(path, "png", spec, OIIO::TypeDesc::UINT8, rgb.data());
+    writeFileAtomically(path, encode("png", spec, OIIO::TypeDesc::UINT8, rgb.data()));
 }
 
 Image readImage(const std::filesystem::path& path) {

@@ -29,9 +29,12 @@ struct Image {
     void setChannel(const std::string& name, std::span<const float> values);
 };
 
-/// 32-bit float EXR, zip. Written to a temporary name beside `path` and renamed, so that a reader
-/// or a kill never sees half a file. Throws std::runtime_error with the reason. Equal images give
-/// equal files. A reader may find the channels in another order: go by name.
+/// 32-bit float EXR, zip, as the bytes of a file. Throws std::runtime_error with the reason. Equal
+/// images give equal bytes. A reader may find the channels in another order: go by name.
+std::string encodeExr(const Image& image);
+
+/// encodeExr() by writeFileAtomically: a reader or a kill never sees half a file. Throws
+/// std::runtime_error with the reason.
 void writeExr(const std::filesystem::path& path, const Image& image);
 
 /// Any flat image OpenImageIO reads, with its channel names: values as stored (integers as 0..1,

@@ -7,6 +7,7 @@
 #include "core/error.hpp"
 #include "harness/cli/commands.hpp"
 #include "harness/run/command_line.hpp"
+#include "harness/run/interruption.hpp"
 
 namespace penumbra {
 namespace {
@@ -69,6 +70,8 @@ int runCommandLine(int argc, char** argv) {
         fmt::print(stderr, "penumbra: {} (see penumbra --help)\n", oneLine(e.what()));
     } catch (const InputError& e) {
         fmt::print(stderr, "penumbra: {}\n", oneLine(e.what()));
+    } catch (const Interrupted& e) {
+        return 128 + e.signal;
     } catch (const std::exception& e) {
         fmt::print(stderr, "penumbra: stopped: {}\n", oneLine(e.what()));
         return 3;

@@ -1,7 +1,11 @@
+#include <filesystem>
+#include <optional>
+
 #include "core/error.hpp"
 #include "harness/cli/commands.hpp"
 #include "harness/gate/history_page.hpp"
 #include "harness/report/report.hpp"
+#include "harness/run/folder_lock.hpp"
 #include "harness/run/provenance.hpp"
 
 namespace penumbra {
@@ -19,6 +23,8 @@ int run(const Entered& entered) {
             entered.source.empty() ? resultsFolder() / "history.csv" : entered.source, entered.out);
     if (entered.source.empty()) throw InputError("report: name a run folder, or --history");
     if (!entered.out.empty()) throw InputError("--out: goes with --history");
+    std::optional<FolderLock> lock;  // what is no folder has a message of its own below
+    if (std::filesystem::is_directory(entered.source)) lock.emplace(entered.source);
     writeArtefacts(RunFolder(entered.source), entered.curveMetric);
     return 0;
 }

@@ -45,6 +45,7 @@ RunEntry::RunEntry(const std::filesystem::path& folder, const std::string& name,
             fmt::format("--name {}: is a method's; an image beside the methods of a run needs a "
                         "name of its own",
                         name));
+    if (std::filesystem::is_directory(folder)) lock_.emplace(folder);
     if (std::filesystem::exists(folder_.results())) {
         record_ = RunRecord::read(folder_.record());
         if (record_.width != truth.width || record_.height != truth.height ||
@@ -99,6 +100,12 @@ void RunEntry::putRow(const Row& row) {
 void RunEntry::add(const Row& row, const std::vector<float>& visibility, const TracedFrame& traced,
                    const ObtainedReference& obtained) {
     folder_.create();
+    if (!lock_) {
+        lock_.emplace(folder_.root());
+        if (std::filesystem::exists(folder_.results()))
+            throw InputError(fmt::format("--out {}: another process has made a run here meanwhile",
+                                         folder_.root().string()));
+    }
     record_.write(folder_.record());  // before the first row: rows need a record
     if (!std::filesystem::exists(folder_.images(row.scene, row.frame) / "reference.exr")) {
         folder_.writeTruth(row.scene, row.frame, traced.gbuffer, obtained.reference,

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "harness/run/folder_lock.hpp"
 #include "harness/run/row.hpp"
 #include "harness/run/run_folder.hpp"
 #include "harness/run/run_record.hpp"
@@ -16,7 +18,8 @@ class RunEntry {
   public:
     /// Refuses (InputError), writing nothing, what could not stand beside the run's own rows:
     /// another size, seed or reference, another scene of the same id, a name that is a registered
-    /// method's or one of the run's settings that a method made, or that is no plain file name.
+    /// method's or one of the run's settings that a method made, or that is no plain file name; and
+    /// a folder in which another process works.
     RunEntry(const std::filesystem::path& folder, const std::string& name, const Scene& scene,
              const TruthOptions& truth, const std::string& command);
 
@@ -29,6 +32,7 @@ class RunEntry {
     void putRow(const Row& row);
 
     RunFolder folder_;
+    std::optional<FolderLock> lock_;  ///< from the first look at a run that is there, or from add()
     RunRecord record_;
 };
 

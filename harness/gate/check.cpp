@@ -12,6 +12,7 @@
 #include "harness/report/benchmark.hpp"
 #include "harness/report/report.hpp"
 #include "harness/run/files.hpp"
+#include "harness/run/folder_lock.hpp"
 
 namespace penumbra::gate {
 namespace {
@@ -53,6 +54,7 @@ int check(const CheckOptions& options) {
     const Thresholds thresholds = readThresholds(options);
     Baseline baseline = readBaseline(options.baseline);
     const JudgedRun run = JudgedRun::read(options.run);
+    const FolderLock lock(options.run);
     if (options.partial) keepWhatWasAsked(baseline, run.record);
     if (baseline.table.rows.empty())
         throw InputError(fmt::format("{}: holds no row{} to compare with",

@@ -9,6 +9,7 @@
 #include "core/error.hpp"
 #include "harness/run/command_line.hpp"
 #include "harness/run/compare.hpp"
+#include "harness/run/interruption.hpp"
 #include "harness/run/provenance.hpp"
 #include "harness/run/run_folder.hpp"
 #include "harness/run/separation.hpp"
@@ -102,7 +103,8 @@ Remeasured measureAgain(const JudgedRun& run, const Verdict& verdict) {
     options.command = run.record.command;
     std::filesystem::remove_all(options.out);
     try {
-        compare(options);
+        // A verdict on half of the cells would be none.
+        if (const int code = compare(options); code > 128) throw Interrupted(code - 128);
     } catch (const InputError& e) {
         out.never = e.what();
         return out;

@@ -19,7 +19,7 @@ struct Remeasured {
 /// RUN/remeasured, which is made anew. Nothing is measured where this program or machine is not the
 /// one of the run (another commit, processor, kind of build or renderer), whose cells then would be
 /// others. Rows that no cell makes, the separation and images from outside, stay as they are.
-/// Writes progress to standard error.
+/// Writes progress to standard error. Throws Interrupted if a signal asked to stop.
 Remeasured measureAgain(const JudgedRun& run, const Verdict& verdict);
 
 /// The first verdict with every failed gate judged anew by what was measured again; each says what

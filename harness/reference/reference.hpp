@@ -50,7 +50,9 @@ std::vector<LightClass> classifyLight(const Reference& reference, const GBuffer&
 
 /// References on disk by content: the key covers everything traceReference reads (points, normals,
 /// classes, triangles, alpha textures, light, options, algorithm version), so an entry is never
-/// stale. Safe against other processes and against a kill: entries are complete or absent.
+/// stale. Safe against other processes and against a kill: entries are complete or absent, and each
+/// carries a hash of its bytes, so that what a disk or a user did to it is noticed. What a kill left
+/// half-written goes when something is stored an hour later.
 class ReferenceCache {
   public:
     explicit ReferenceCache(std::filesystem::path folder);
@@ -59,11 +61,16 @@ class ReferenceCache {
     static std::string key(const Geometry& geometry, const std::vector<Material>& materials,
                            const std::vector<TextureImage>& images, const GBuffer& gbuffer,
                            const AreaLight& light, const ReferenceOptions& options);
-    /// Absent, unreadable or of the wrong size: nullopt.
-    std::optional<Reference> load(const std::string& key, int width, int height) const;
+    /// Absent, unreadable, damaged or of the wrong size: nullopt; `damage` is told of an entry that is
+    /// there, with its file and what is wrong.
+    std::optional<Reference> load(const std::string& key, int width, int height,
+                                  std::string* damage = nullptr) const;
+    /// Throws std::runtime_error with the reason.
     void store(const std::string& key, const Reference& reference) const;
 
   private:
+    std::filesystem::path entry(const std::string& key) const;
+
     std::filesystem::path folder_;
 };
 

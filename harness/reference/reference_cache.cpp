@@ -1,15 +1,20 @@
+#include <fmt/format.h>
 #include <xxhash.h>
 
 #include <cmath>
 #include <cstdlib>
+#include <fstream>
+#include <iterator>
 #include <memory>
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <type_traits>
 
 #include "core/error.hpp"
+#include "core/file/atomic_file.hpp"
 #include "core/image/image.hpp"
 #include "harness/reference/reference.hpp"
 
@@ -92,6 +97,29 @@ void addCasters(Hasher& hasher, const Geometry& geometry, const std::vector<Mate
     if (masked) hasher.add(geometry.uvs);
 }
 
+constexpr std::string_view kExtension = ".exr";
+
+/// An entry ends in this of all bytes before it, which an EXR reader does not look at. The image's
+/// own compression notices most damage, but not where a block is stored as it is.
+std::string seal(std::string_view bytes) {
+    XXH128_canonical_t canonical;
+    XXH128_canonicalFromHash(&canonical, XXH3_128bits(bytes.data(), bytes.size()));
+    return {std::begin(canonical.digest), std::end(canonical.digest)};
+}
+
+bool isSealed(std::string_view entry) {
+    const std::size_t length = sizeof(XXH128_canonical_t::digest);
+    return entry.size() > length &&
+           entry.substr(entry.size() - length) == seal(entry.substr(0, entry.size() - length));
+}
+
+/// "<32 hex>.exr. ...": what else a user keeps in the folder is not ours.
+bool isOfAnEntry(std::string_view name) {
+    constexpr std::size_t kKeyLength = 2 * sizeof(XXH128_canonical_t::digest);
+    return name.find_first_not_of("0123456789abcdef") == kKeyLength &&
+           name.substr(kKeyLength).starts_with(kExtension);
+}
+
 }  // namespace
 
 ReferenceCache::ReferenceCache(std::filesystem::path folder) : folder_(std::move(folder)) {}
@@ -128,24 +156,34 @@ std::string ReferenceCache::key(const Geometry& geometry, const std::vector<Mate
     return hasher.hex();
 }
 
-std::optional<Reference> ReferenceCache::load(const std::string& key, int width, int height) const {
-    const std::filesystem::path path = folder_ / (key + ".exr");
+std::filesystem::path ReferenceCache::entry(const std::string& key) const {
+    return (folder_ / key).concat(kExtension);
+}
+
+std::optional<Reference> ReferenceCache::load(const std::string& key, int width, int height,
+                                              std::string* damage) const {
+    const std::filesystem::path path = entry(key);
     std::error_code error;
     if (!std::filesystem::is_regular_file(path, error)) return std::nullopt;
     Reference reference;
     reference.width = width;
     reference.height = height;
     try {
+        std::ifstream file(path, std::ios::binary);
+        if (!isSealed(std::string(std::istreambuf_iterator<char>(file), {})))
+            throw std::runtime_error("cut short, altered or of an earlier version");
         const Image image = readImage(path);
-        if (image.width != width || image.height != height) return std::nullopt;
+        if (image.width != width || image.height != height)
+            throw std::runtime_error("of another size");
         for (const Channel& channel : kChannels)
             reference.*channel.values = image.channel(channel.name);
-    } catch (const std::exception&) {
-        return std::nullopt;  // torn, foreign or unreadable: as good as absent
+        for (const Channel& channel : kChannels)
+            for (const float value : reference.*channel.values)
+                if (!std::isfinite(value)) throw std::runtime_error("not finite");
+    } catch (const std::exception& e) {
+        if (damage) *damage = fmt::format("{}: {}", path.string(), e.what());
+        return std::nullopt;
     }
-    for (const Channel& channel : kChannels)
-        for (const float value : reference.*channel.values)
-            if (!std::isfinite(value)) return std::nullopt;
     return reference;
 }
 
@@ -154,12 +192,15 @@ void ReferenceCache::store(const std::string& key, const Reference& reference) c
     std::filesystem::create_directories(folder_, error);
     if (error)
         throw std::runtime_error("cache folder " + folder_.string() + ": " + error.message());
+    removeStaleTemporaries(folder_, std::chrono::hours(1), isOfAnEntry);
     std::vector<std::string> names;
     for (const Channel& channel : kChannels) names.emplace_back(channel.name);
     Image image = Image::withChannels(reference.width, reference.height, std::move(names));
     for (const Channel& channel : kChannels)
         image.setChannel(channel.name, reference.*channel.values);
-    writeExr(folder_ / (key + ".exr"), image);
+    std::string bytes = encodeExr(image);
+    bytes += seal(bytes);
+    writeFileAtomically(entry(key), bytes);
 }
 
 }  // namespace penumbra

@@ -177,6 +177,9 @@ void writeSummary(const RunFolder& folder, const std::string& curveMetric) {
     SummaryInput input;
     input.provenance = record.provenance;
     input.provenance.emplace_back("command", record.command);
+    if (!record.finished)
+        input.provenance.emplace_back("unfinished",
+                                      "cells without a row are left for compare --resume");
     if (record.fetches.nearestPerS > 0.0)
         input.provenance.emplace_back(
             "fetches",

@@ -106,6 +106,9 @@ void runCells(const Frame& frame, const CellOptions& options, const std::vector<
         } catch (const std::exception& e) {
             cell.row.status = "failed";
             cell.row.message = e.what();
+        } catch (...) {
+            cell.row.status = "failed";
+            cell.row.message = "threw something that is no std::exception";
         }
         gl::takeErrors();
         cell.run->forget();
@@ -114,7 +117,7 @@ void runCells(const Frame& frame, const CellOptions& options, const std::vector<
     };
 
     std::vector<Cell> cells;
-    for (std::size_t r = 0; r < runs.size(); ++r) {
+    for (std::size_t r = 0; r < runs.size() && !(options.stop && options.stop()); ++r) {
         SettingRun* const run = runs[r];
         Cell cell;
         cell.run = run;

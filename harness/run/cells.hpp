@@ -90,6 +90,8 @@ struct CellOptions {
     /// A cell that has kFewestRepeats timed frames which took this long together, milliseconds,
     /// leaves the rounds that follow.
     double enoughMs = std::numeric_limits<double>::infinity();
+    /// Asked before each warm-up; once true, no further cell is begun.
+    std::function<bool()> stop{};
     /// Told every timed frame as it is measured, round by round: which of the runs, and its times.
     std::function<void(std::size_t, const SettingRun::Sample&)> sampled{};
 };
@@ -97,8 +99,9 @@ struct CellOptions {
 /// Runs every setting in `runs` on one frame: an untimed warm-up each, then the repeats in rounds
 /// whose order is drawn anew for each, so that drift of the machine hits all alike. Cells that have
 /// taken `enoughMs` leave early; Row::repeats says how many times each was timed. A setting that
-/// throws gets a failed or unsupported row and drops out; the others go on. `done` is called once
-/// per run with its index, its row (metrics still empty) and its image (empty if failed).
+/// throws, be it in a task of its own on another thread, gets a failed or unsupported row and drops
+/// out; the others go on. `done` is called once per run that was begun with its index, its row
+/// (metrics still empty) and its image (empty if failed).
 void runCells(const Frame& frame, const CellOptions& options, const std::vector<SettingRun*>& runs,
               const TextureTarget& target,
               const std::function<void(std::size_t, Row&&, const std::vector<float>&)>& done);

@@ -4,24 +4,27 @@
 #include <tbb/parallel_for_each.h>
 
 #include <chrono>
-#include <map>
+#include <optional>
 #include <set>
 
 #include "core/error.hpp"
 #include "harness/reference/certificate.hpp"
-#include "harness/reference/exact.hpp"
 #include "harness/report/report.hpp"
 #include "harness/run/cells.hpp"
+#include "harness/run/compare_input.hpp"
 #include "harness/run/csv.hpp"
 #include "harness/run/files.hpp"
 #include "harness/run/fill_flicker.hpp"
+#include "harness/run/folder_lock.hpp"
+#include "harness/run/interruption.hpp"
+#include "harness/run/phase_clock.hpp"
 #include "harness/run/progress.hpp"
 #include "harness/run/provenance.hpp"
+#include "harness/run/resume.hpp"
 #include "harness/run/run_folder.hpp"
 #include "harness/run/run_record.hpp"
 #include "harness/run/scene_stage.hpp"
 #include "harness/run/separation.hpp"
-#include "harness/run/suite.hpp"
 #include "harness/run/thread_limit.hpp"
 #include "harness/study/effects_table.hpp"
 #include "harness/study/paired_report.hpp"
@@ -32,114 +35,6 @@ namespace {
 /// Penumbra pixels of a frame whose reference is checked against exact visibility: enough for a
 /// coverage known to 1 %, few enough to cost next to nothing.
 constexpr std::size_t kCheckedPixels = 500;
-
-/// Where the time of a run goes.
-class PhaseClock {
-  public:
-    template <class Work>
-    auto measure(const std::string& phase, const Work& work) {
-        struct Guard {
-            double& total;
-            std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
-            ~Guard() {
-                total +=
-                    std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-            }
-        } guard{seconds_[phase]};
-        return work();
-    }
-    void add(const std::string& phase, double seconds) { seconds_[phase] += seconds; }
-    std::vector<PhaseTime> phases() const {
-        std::vector<PhaseTime> list;
-        for (const auto& [name, seconds] : seconds_) list.push_back({name, seconds});
-        return list;
-    }
-
-  private:
-    std::map<std::string, double> seconds_;
-};
-
-struct LoadedScenes {
-    std::vector<std::shared_ptr<const Scene>> scenes;
-    std::map<std::string, double> milliseconds;  ///< that reading them took, by id
-    std::vector<std::pair<std::string, std::string>> skipped;
-};
-
-LoadedScenes loadScenes(const CompareOptions& options) {
-    const SceneLibrary library = SceneLibrary::standard();
-    std::vector<std::string> wanted;
-    if (!options.suite.empty() || options.scenes.empty())
-        wanted = loadSuite(options.suite.empty() ? "standard" : options.suite, library).scenes;
-    wanted.insert(wanted.end(), options.scenes.begin(), options.scenes.end());
-
-    LoadedScenes loaded;
-    std::map<std::string, std::filesystem::path> sources;
-    for (const std::string& name : wanted) {
-        try {
-            const auto start = std::chrono::steady_clock::now();
-            const auto scene = loadScene(name, library, options.load);
-            const std::chrono::duration<double, std::milli> took =
-                std::chrono::steady_clock::now() - start;
-            loaded.milliseconds.emplace(scene->id, took.count());
-            const auto [at, isNew] = sources.emplace(scene->id, scene->source);
-            if (!isNew && at->second != scene->source)
-                throw InputError(fmt::format("two scenes are called '{}': {} and {}", scene->id,
-                                             at->second.string(), scene->source.string()));
-            if (isNew) loaded.scenes.push_back(scene);
-        } catch (const AssetAbsent& e) {
-            loaded.skipped.emplace_back(name, e.what());
-        }
-    }
-    if (options.reference == "exact")
-        for (const auto& scene : loaded.scenes)
-            refuseMasked(*scene->frame(0).geometry, scene->materials);
-    if (loaded.scenes.empty())
-        throw InputError("nothing to render: " +
-                         (loaded.skipped.empty() ? "no scene" : loaded.skipped.front().second));
-    return loaded;
-}
-
-void requireEffectsTable(const CompareOptions& options) {
-    if (!options.effects.automatic)
-        throw InputError(
-            "--effects-table: compares plans with that of auto; --effects cannot be combined with "
-            "it");
-    if (!options.paired.empty() || options.resume || options.shards > 1)
-        throw InputError(
-            "--effects-table: plans are timed in one go; --paired, --resume and --shard cannot be "
-            "combined with it");
-}
-
-/// A and B of `--paired`, or one where they are the same.
-std::vector<Setting> pairedSettings(const CompareOptions& options) {
-    const SettingChoice& choice = options.settings;
-    if (!choice.methods.empty() || !choice.sets.empty() || !choice.sweeps.empty() || choice.ladder)
-        throw InputError(
-            "--paired: names both settings itself, as in --paired pcf 'pcss:blocker_taps=25'; "
-            "--method, --set, --sweep and --ladder cannot be combined with it");
-    if (options.resume || options.shards > 1)
-        throw InputError(
-            "--paired: pairs are timed in one go; --resume and --shard cannot be combined with it");
-    if (options.repeats < static_cast<int>(kFewestForSignTest))
-        throw InputError(fmt::format("--repeats {}: a 95 % interval needs at least {} pairs",
-                                     options.repeats, kFewestForSignTest));
-    std::vector<Setting> settings;
-    for (const std::string& text : options.paired) {
-        Setting setting = parseSetting("--paired", text);
-        if (settings.empty() || settings.front().name != setting.name)
-            settings.push_back(std::move(setting));
-    }
-    return settings;
-}
-
-std::vector<Setting> settingsOf(const CompareOptions& options) {
-    if (!options.paired.empty()) return pairedSettings(options);
-    if (!options.again) return expandSettings(options.settings);
-    std::vector<Setting> settings;
-    for (const std::string& text : options.again->settings)
-        settings.push_back(parseSetting("setting", text));
-    return settings;
-}
 
 /// A frame's cells that have no row yet.
 struct Pending {
@@ -162,23 +57,24 @@ class Run {
     /// Reads what an earlier run left in the folder (`--resume`), or refuses a folder that is in
     /// use.
     void openFolder();
-    /// Runs every cell that has no row yet. Returns the exit code.
+    /// Runs every cell that has no row yet, until a signal asks to stop. Returns the exit code.
     int cells();
 
   private:
     std::size_t countFrames() const;
     void writeRecord(bool finished);
-    void runScene(std::size_t sceneIndex);
+    void runScene(const Scene& scene);
     void recordEffects(SceneStage& stage, double loadMs);
     void runFrame(SceneStage& stage, const Pending& pending);
     using Finished = std::vector<std::pair<Row, std::vector<float>>>;
     Finished pairedCells(const Frame& frame, const CellOptions& options,
                          const TextureTarget& target);
     Reference referenceFor(const Scene& scene, const Frame& frame);
-    bool mine(std::size_t cell) const {
-        return cell % static_cast<std::size_t>(options_.shards) ==
-               static_cast<std::size_t>(options_.shard - 1);
-    }
+    bool isOpen(const Scene& scene, int index, std::size_t frameNumber,
+                std::size_t settingIndex) const;
+    std::size_t openCells() const;
+    /// Half of a pair or of a table of plans is of no use.
+    bool isResumable() const { return options_.paired.empty() && !options_.effectsTable; }
 
     const CompareOptions& options_;
     RunFolder folder_;
@@ -188,11 +84,12 @@ class Run {
     ProgressLine progress_;
     PhaseClock clock_;
     RunRecord record_;
-    std::set<std::string> done_;  ///< Row::key of finished cells
+    std::set<std::string> done_;  ///< Row::key of cells that have a row
+    std::optional<FolderLock> lock_;
     std::unique_ptr<CsvAppender> csv_;
     std::vector<PairedFrame> pairs_;
     std::vector<EffectsCell> effectsCells_;
-    std::size_t framesDone_ = 0, cellsBefore_ = 0;
+    std::size_t framesDone_ = 0;
     int failed_ = 0;
 
   public:
@@ -205,14 +102,6 @@ std::size_t Run::countFrames() const {
     for (const auto& scene : loaded_.scenes)
         frames += static_cast<std::size_t>(scene->frameCount());
     return frames;
-}
-
-/// What a kill left of files that were being written beside their names.
-void removeTornFiles(const std::filesystem::path& folder) {
-    std::vector<std::filesystem::path> torn;
-    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
-        if (entry.path().extension() == ".tmp") torn.push_back(entry.path());
-    for (const auto& path : torn) std::filesystem::remove(path);
 }
 
 void Run::openFolder() {
@@ -237,37 +126,18 @@ void Run::openFolder() {
                                   scene->frameCount(), scene->chosen});
     for (const Setting& s : settings_) record_.settings.push_back({s.name, s.method, s.params});
 
+    folder_.create();
+    lock_.emplace(folder_.root());
     const bool used = std::filesystem::exists(folder_.results());
     if (used && !options_.resume)
         throw InputError(
             fmt::format("--out {}: holds a run already; continue it with --resume or "
                         "choose another folder",
                         folder_.root().string()));
-    if (used) {
-        const RunRecord before = RunRecord::read(folder_.record());
-        if (before.width != record_.width || before.height != record_.height ||
-            before.seed != record_.seed || before.reference != record_.reference ||
-            before.referenceSe != record_.referenceSe || before.effects != record_.effects ||
-            before.assetScene != record_.assetScene || before.camera != record_.camera)
-            throw InputError(fmt::format(
-                "--resume {}: the run there has --size {}x{} --seed {} --reference {} "
-                "--reference-se {} --effects '{}' --asset-scene '{}' --camera '{}'; a "
-                "resumed run must have the same",
-                folder_.root().string(), before.width, before.height, before.seed, before.reference,
-                before.referenceSe, before.effects, before.assetScene, before.camera));
-        record_.references = before.references;
-        record_.analysis = before.analysis;
-        removeTornFiles(folder_.root());
-        // Failed cells are tried again, so their rows go; the file is replaced in one step.
-        std::string kept = csvHeader() + "\n";
-        for (const Row& row : readCsv(folder_.results())) {
-            if (row.status == "failed") continue;
-            done_.insert(row.key());
-            kept += toCsv(row) + "\n";
-        }
-        writeFileAtomically(folder_.results(), kept);
-    }
-    folder_.create();
+    if (used)
+        done_ = takeUpRun(folder_, record_);
+    else
+        removeTornBeginnings(folder_);
     writeRecord(false);  // before the first row: rows without a record could not be resumed
     csv_ = std::make_unique<CsvAppender>(folder_.results());
 }
@@ -278,22 +148,57 @@ void Run::writeRecord(bool finished) {
     record_.write(folder_.record());
 }
 
+/// Whether a cell is this process's to do and has no row yet; `frameNumber` counts the frames of
+/// all scenes.
+bool Run::isOpen(const Scene& scene, int index, std::size_t frameNumber,
+                 std::size_t settingIndex) const {
+    const std::size_t cell = frameNumber * settings_.size() + settingIndex;
+    if (cell % static_cast<std::size_t>(options_.shards) !=
+        static_cast<std::size_t>(options_.shard - 1))
+        return false;
+    Row row;
+    row.scene = scene.id;
+    row.frame = index;
+    row.setting = settings_[settingIndex].name;
+    return !done_.contains(row.key()) &&
+           (!options_.again || options_.again->keys.contains(row.key()));
+}
+
+std::size_t Run::openCells() const {
+    std::size_t open = 0, frameNumber = 0;
+    for (const auto& scene : loaded_.scenes)
+        for (int index = 0; index < scene->frameCount(); ++index, ++frameNumber)
+            for (std::size_t s = 0; s < settings_.size(); ++s)
+                open += isOpen(*scene, index, frameNumber, s);
+    return open;
+}
+
 int Run::cells() {
     for (const auto& [scene, reason] : loaded_.skipped) progress_.note(reason);
-    for (std::size_t i = 0; i < loaded_.scenes.size(); ++i) runScene(i);
+    try {
+        for (const auto& scene : loaded_.scenes) runScene(*scene);
+    } catch (const Interrupted&) {  // what there is by now is written all the same
+    }
     csv_.reset();
+    const std::size_t open = openCells();
     clock_.measure("metrics", [&] { fillFlicker(folder_); });
     orderRows(folder_, record_);
-    writeRecord(true);
+    writeRecord(open == 0);
     clock_.measure("images", [&] { writeArtefacts(folder_); });
-    writeRecord(true);
+    writeRecord(open == 0);
     writeSummary(folder_);
-    if (!options_.again) appendToStepSummary(readTextFile(folder_.summary()));
+    if (open > 0)
+        progress_.note(fmt::format(
+            "interrupted: {} cells are left{}", open,
+            isResumable() ? fmt::format("; --resume --out {} does them", folder_.root().string())
+                          : ""));
+    else if (!options_.again)
+        appendToStepSummary(readTextFile(folder_.summary()));
+    if (const int signal = Interruption::signal()) return 128 + signal;
     return failed_ ? 3 : 0;
 }
 
-void Run::runScene(std::size_t sceneIndex) {
-    const Scene& scene = *loaded_.scenes[sceneIndex];
+void Run::runScene(const Scene& scene) {
     for (const std::string& choice : scene.chosen)
         progress_.note(fmt::format("{}: {}", scene.id, choice));
     std::vector<SettingRun> runs(settings_.begin(), settings_.end());
@@ -301,19 +206,15 @@ void Run::runScene(std::size_t sceneIndex) {
 
     for (int index = 0; index < scene.frameCount(); ++index, ++framesDone_) {
         Pending pending;
-        for (SettingRun& run : runs) {
-            Row cell;
-            cell.scene = scene.id;
-            cell.frame = index;
-            cell.setting = run.setting().name;
-            if (!mine(cellsBefore_++) || done_.contains(cell.key())) continue;
-            if (options_.again && !options_.again->keys.contains(cell.key())) continue;
-            if (run.setting().isSeparation())
+        for (std::size_t s = 0; s < runs.size(); ++s) {
+            if (!isOpen(scene, index, framesDone_, s)) continue;
+            if (runs[s].setting().isSeparation())
                 pending.separation = true;
             else
-                pending.methods.push_back(&run);
+                pending.methods.push_back(&runs[s]);
         }
         if (pending.methods.empty() && !pending.separation) continue;
+        if (const int signal = Interruption::signal()) throw Interrupted(signal);
         progress_.step(framesDone_, fmt::format("{} frame {}", scene.id, index));
 
         clock_.measure("frames", [&] {
@@ -360,6 +261,7 @@ void Run::runFrame(SceneStage& stage, const Pending& pending) {
     cellOptions.frameFor = [&](const Plan& plan) -> const Frame& { return stage.frameFor(plan); };
     cellOptions.repeats = options_.repeats;
     if (options_.paired.empty()) cellOptions.enoughMs = kEnoughMs;  // a pair has two halves
+    if (isResumable()) cellOptions.stop = [] { return Interruption::signal() != 0; };
     Finished finished;
     std::vector<VariantImage> variants;
     const auto keep = [&](std::size_t, Row&& row, const std::vector<float>& visibility) {
@@ -410,6 +312,7 @@ void Run::runFrame(SceneStage& stage, const Pending& pending) {
                                        row.status, row.message));
         }
         csv_->add(row);
+        done_.insert(row.key());
     }
 }
 
@@ -427,9 +330,12 @@ Run::Finished Run::pairedCells(const Frame& frame, const CellOptions& options,
 }
 
 Reference Run::referenceFor(const Scene& scene, const Frame& frame) {
-    ObtainedReference obtained =
-        obtainReference(scene, frame.index, frame.tracer, frame.gbuffer, frame.light, options_,
-                        [&](double fraction) { progress_.within(fraction); });
+    const auto progress = [&](double fraction) {
+        if (const int signal = Interruption::signal()) throw Interrupted(signal);
+        progress_.within(fraction);
+    };
+    ObtainedReference obtained = obtainReference(scene, frame.index, frame.tracer, frame.gbuffer,
+                                                 frame.light, options_, progress);
     for (const std::string& note : obtained.notes) progress_.note(note);
     if (options_.reference != "exact")
         obtained.stats.checked = certify(obtained.reference, frame.tracer, scene.materials,
@@ -458,7 +364,7 @@ int compare(const CompareOptions& options) {
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
     const auto context = gl::Context::create(options.context);
-    RunFolder folder(options.out.empty() ? resultsFolder() / utcNow("%Y%m%d-%H%M%S") : options.out);
+    const RunFolder folder = options.out.empty() ? RunFolder::makeNew() : RunFolder(options.out);
     Run run(options, folder, std::move(loaded), std::move(settings), *context, threads);
     run.clock().add("load", loadSeconds);
     run.clock().measure("self-test", [&] {
@@ -468,6 +374,7 @@ int compare(const CompareOptions& options) {
         run.record().timerQueriesTrusted = test.timerQueriesTrusted;
         run.record().fetches = measureFetchThroughput();
     });
+    const Interruption interruption;
     run.openFolder();
     const int code = run.cells();
     if (options.effectsTable) fmt::print("{}", readTextFile(folder.effectsTable()));

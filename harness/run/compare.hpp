@@ -43,7 +43,16 @@ struct CompareOptions : TruthOptions {
 /// Runs all cells and writes the run folder; with `paired` also paired.csv, and tells on standard
 /// output what A is against B on every scene and overall; with `effectsTable` also effects.csv and
 /// effects.md, which it prints. Returns 0, or 3 when some cells failed.
-/// Throws InputError for bad input before anything is written.
+/// Throws InputError for bad input before anything is written, and where another process works in
+/// the same folder.
+///
+/// A row is in results.csv once its cell is finished and its image is in the folder whole; both
+/// stay whatever becomes of the process: an exception, a full disk, SIGKILL at any moment. (A power
+/// cut or a crash of the system may take images that were not on the disk yet.) `resume` does the
+/// rest and ends with the images and the rows, but for times, of a run that was not stopped. On
+/// SIGINT or SIGTERM cells that are begun are finished, but not a reference; everything is written
+/// of the rows that are there; the result is 128 + the signal's number. A second signal ends the
+/// process at once.
 int compare(const CompareOptions& options);
 
 }  // namespace penumbra

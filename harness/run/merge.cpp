@@ -9,6 +9,7 @@
 #include "harness/report/report.hpp"
 #include "harness/run/files.hpp"
 #include "harness/run/fill_flicker.hpp"
+#include "harness/run/folder_lock.hpp"
 
 namespace penumbra {
 namespace {
@@ -30,12 +31,16 @@ void addPhases(std::vector<PhaseTime>& phases, const std::vector<PhaseTime>& mor
     }
 }
 
+void requireUnused(const RunFolder& folder) {
+    if (std::filesystem::exists(folder.results()))
+        throw InputError(fmt::format("{}: holds a run already", folder.root().string()));
+}
+
 }  // namespace
 
 int mergeRuns(const std::filesystem::path& out, const std::vector<std::filesystem::path>& runs) {
     const RunFolder target(out);
-    if (std::filesystem::exists(target.results()))
-        throw InputError(fmt::format("{}: holds a run already", out.string()));
+    requireUnused(target);
 
     RunRecord record;
     std::map<std::string, std::filesystem::path> rowOf;
@@ -81,6 +86,8 @@ int mergeRuns(const std::filesystem::path& out, const std::vector<std::filesyste
     }
 
     target.create();
+    const FolderLock lock(out);
+    requireUnused(target);  // another process may have been quicker
     for (const auto& run : runs) {
         const std::filesystem::path images = run / "images";
         if (std::filesystem::exists(images))

@@ -19,6 +19,7 @@
 #include <utility>
 
 #include "core/error.hpp"
+#include "core/file/atomic_file.hpp"
 #include "harness/run/csv.hpp"
 #include "harness/run/row_check.hpp"
 
@@ -405,11 +406,18 @@ CsvAppender::CsvAppender(const std::filesystem::path& path) {
             keep = records.completeBytes;
         }
     }
-    fd_ = ::open(path.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, 0644);
+    if (keep == 0) {
+        const std::string header = csvHeader() + '\n';
+        const std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
+        if (::access(folder.c_str(), W_OK) != 0)
+            throw InputError(fmt::format("{}: {}", path.string(), std::strerror(errno)));
+        writeFileAtomically(path, header);
+        keep = header.size();
+    }
+    fd_ = ::open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);
     if (fd_ < 0) throw InputError(fmt::format("{}: {}", path.string(), std::strerror(errno)));
     try {
         if (::ftruncate(fd_, static_cast<off_t>(keep)) != 0) throwErrno(path, "cannot cut");
-        if (keep == 0) appendDurably(fd_, csvHeader() + '\n');
     } catch (...) {
         ::close(fd_);
         throw;

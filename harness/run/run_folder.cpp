@@ -8,6 +8,7 @@
 #include "core/error.hpp"
 #include "core/image/image.hpp"
 #include "core/image/image_channel.hpp"
+#include "harness/run/provenance.hpp"
 
 namespace penumbra {
 namespace {
@@ -64,6 +65,17 @@ void writeReference(const std::filesystem::path& path, const Reference& referenc
 
 std::filesystem::path RunFolder::images(const std::string& scene, int frame) const {
     return root_ / "images" / scene / fmt::format("{:04d}", frame);
+}
+
+RunFolder RunFolder::makeNew() {
+    const std::filesystem::path results = resultsFolder();
+    RunFolder(results).create();
+    const std::string time = utcNow("%Y%m%d-%H%M%S");
+    for (int number = 1;; ++number) {
+        const std::filesystem::path root =
+            results / (number == 1 ? time : fmt::format("{}-{}", time, number));
+        if (std::filesystem::create_directory(root)) return RunFolder(root);
+    }
 }
 
 void RunFolder::create() const {

@@ -19,6 +19,8 @@ void writeReference(const std::filesystem::path& path, const Reference& referenc
 class RunFolder {
   public:
     explicit RunFolder(std::filesystem::path root) : root_(std::move(root)) {}
+    /// Makes results/<time>, or with a number behind it where another process has just taken that.
+    static RunFolder makeNew();
 
     const std::filesystem::path& root() const { return root_; }
     std::filesystem::path record() const { return root_ / "run.json"; }

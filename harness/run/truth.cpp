@@ -19,7 +19,10 @@ Reference cachedReference(const Scene& scene, const Tracer& tracer, const GBuffe
     const ReferenceCache cache(folder.empty() ? ReferenceCache::defaultFolder() : folder);
     const std::string key = ReferenceCache::key(tracer.geometry(), scene.materials, scene.images,
                                                 gbuffer, light, options);
-    std::optional<Reference> stored = cache.load(key, gbuffer.width, gbuffer.height);
+    std::string damage;
+    std::optional<Reference> stored = cache.load(key, gbuffer.width, gbuffer.height, &damage);
+    if (!damage.empty())
+        out.notes.push_back(fmt::format("the cached reference is traced again: {}", damage));
     out.stats.cached = stored.has_value();
     if (stored) return *std::move(stored);
     Reference reference = traceReference(tracer, gbuffer, light, options, progress);

@@ -17,6 +17,7 @@
 #include "harness/metrics/metrics.hpp"
 #include "harness/report/report.hpp"
 #include "harness/run/files.hpp"
+#include "harness/run/folder_lock.hpp"
 #include "harness/run/progress.hpp"
 #include "harness/run/provenance.hpp"
 #include "harness/run/run_folder.hpp"
@@ -239,9 +240,9 @@ int reproduce(const ReproduceOptions& options) {
     const std::vector<Paper> papers = chosenPapers(options);
     const ThreadLimit limit(options.threadCount());
     const auto context = gl::Context::create(options.context);
-    const RunFolder folder(options.out.empty() ? resultsFolder() / utcNow("%Y%m%d-%H%M%S")
-                                               : options.out);
+    const RunFolder folder = options.out.empty() ? RunFolder::makeNew() : RunFolder(options.out);
     folder.create();
+    const FolderLock lock(folder.root());
     const std::vector<std::string> heading = headingOf(options, *context);
 
     std::size_t total = 0;

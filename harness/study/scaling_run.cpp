@@ -11,6 +11,7 @@
 #include "core/sampling/sampling.hpp"
 #include "harness/run/csv.hpp"
 #include "harness/run/files.hpp"
+#include "harness/run/folder_lock.hpp"
 #include "harness/run/progress.hpp"
 #include "harness/run/provenance.hpp"
 #include "harness/run/run_folder.hpp"
@@ -309,8 +310,9 @@ int scaling(const CompareOptions& o, ScalingAxis axis) {
     std::erase_if(settings, &Setting::isSeparation);
     if (settings.empty()) throw InputError("--scaling: no method to time");
     const auto scenes = scenesOf(o);
-    const RunFolder folder(o.out.empty() ? resultsFolder() / utcNow("%Y%m%d-%H%M%S") : o.out);
+    const RunFolder folder = o.out.empty() ? RunFolder::makeNew() : RunFolder(o.out);
     folder.create();
+    const FolderLock lock(folder.root());
     const ThreadLimit limit(o.threadCount());
     const auto context = gl::Context::create(o.context);
     double load = 0.0;

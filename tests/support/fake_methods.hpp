@@ -1,10 +1,13 @@
 #pragma once
 
 #include <glad/gl.h>
+#include <signal.h>
+#include <tbb/parallel_for.h>
 
 #include <chrono>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "core/error.hpp"
@@ -105,6 +108,35 @@ class Slow : public Constant {
     int shaded_ = 0;
 };
 
+/// Asks the program to stop by `signal`, once, in frame 0.
+class Interrupts : public Constant {
+  public:
+    static inline int signal = 0;
+    void shade(const Frame& frame, const Plan& plan, const VisibilityTarget& target) override {
+        if (const int now = frame.index == 0 ? std::exchange(signal, 0) : 0) raise(now);
+        Constant::shade(frame, plan, target);
+    }
+};
+
+/// One of many tasks on all threads throws.
+class ThrowsInTask : public Constant {
+  public:
+    void shade(const Frame&, const Plan&, const VisibilityTarget&) override {
+        tbb::parallel_for(0, 1000, [](int task) {
+            if (task == 500) throw std::runtime_error("a task broke");
+        });
+    }
+};
+
+class ThrowsANumber : public Constant {
+  public:
+    void shade(const Frame&, const Plan&, const VisibilityTarget&) override {
+        tbb::parallel_for(0, 1000, [](int task) {
+            if (task == 500) throw task;
+        });
+    }
+};
+
 inline const Register<Constant> kConstant{"fake_constant", "One half", "tests"};
 inline const Register<ThrowsInBuild> kThrowsInBuild{"fake_throws_in_build", "Throws", "tests"};
 inline const Register<ThrowsInPrepare> kThrowsInPrepare{"fake_throws_in_prepare", "Throws",
@@ -115,6 +147,11 @@ inline const Register<WritesNothing> kWritesNothing{"fake_writes_nothing", "Noth
 inline const Register<FailsWhenTimed> kFailsWhenTimed{"fake_fails_when_timed", "Throws later",
                                                       "tests"};
 inline const Register<Flaky> kFlaky{"fake_flaky", "Throws now and then", "tests"};
+inline const Register<Interrupts> kInterrupts{"fake_interrupts", "Raises a signal", "tests"};
+inline const Register<ThrowsInTask> kThrowsInTask{"fake_throws_in_task", "Throws in a task",
+                                                  "tests"};
+inline const Register<ThrowsANumber> kThrowsANumber{"fake_throws_a_number", "Throws a number",
+                                                    "tests"};
 inline const Register<Slow> kSlow{"fake_slow", "Takes its time", "tests"};
 
 }  // namespace penumbra::test

@@ -58,9 +58,19 @@ class Program {
             for (const std::string& own : environment) replaced |= own.starts_with(name);
             if (!replaced) variables.push_back(variable);
         }
+        // A shell has its background jobs ignore SIGINT, which programs inherit.
+        sigset_t signals;
+        sigemptyset(&signals);
+        for (const int signal : {SIGINT, SIGTERM}) sigaddset(&signals, signal);
+        posix_spawnattr_t attributes;
+        posix_spawnattr_init(&attributes);
+        posix_spawnattr_setsigdefault(&attributes, &signals);
+        posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
         std::vector<char*> argv = pointers(command), envp = pointers(variables);
-        const int error = posix_spawn(&pid_, argv[0], &files, nullptr, argv.data(), envp.data());
+        const int error =
+            posix_spawn(&pid_, argv[0], &files, &attributes, argv.data(), envp.data());
         posix_spawn_file_actions_destroy(&files);
+        posix_spawnattr_destroy(&attributes);
         if (error) throw std::system_error(error, std::generic_category(), command[0]);
     }
     ~Program() {
@@ -69,7 +79,10 @@ class Program {
     Program(const Program&) = delete;
     Program& operator=(const Program&) = delete;
 
-    void kill() const { ::kill(pid_, SIGKILL); }
+    void kill() const { signal(SIGKILL); }
+    void signal(int number) const { ::kill(pid_, number); }
+    /// What it said on standard error up to now.
+    std::string errorsSoFar() const { return readText(err_); }
     Finished wait() {
         int status = 0;
         while (waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
