@@ -95,7 +95,8 @@ struct Asset {
     MemoryBudget memory;             ///< what is left of LoadOptions::maxMemoryBytes
 };
 
-/// Reads a .gltf or .glb. Throws InputError naming the file and the JSON pointer.
+/// Reads a .gltf or .glb, or makes what ProceduralAsset does. Throws InputError naming the file and
+/// the JSON pointer.
 Asset loadAsset(const std::filesystem::path& file, const LoadOptions& options);
 
 }  // namespace penumbra::scene_detail

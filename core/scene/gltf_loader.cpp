@@ -14,6 +14,7 @@
 #include "core/scene/gltf_material.hpp"
 #include "core/scene/gltf_mesh.hpp"
 #include "core/scene/input_text.hpp"
+#include "core/scene/procedural_asset.hpp"
 #include "core/scene/supported_input.hpp"
 
 namespace penumbra::scene_detail {
@@ -261,6 +262,8 @@ class Loader {
 }  // namespace
 
 Asset loadAsset(const std::filesystem::path& file, const LoadOptions& options) {
+    if (const auto procedural = ProceduralAsset::parsed(file.string()))
+        return procedural->make(file, options);
     return Loader(file, options).load();
 }
 

@@ -95,7 +95,7 @@ AssetPrimitive torus(std::uint32_t quads) {
         const double turn = 2.0 * std::numbers::pi / quads;
         const double around = turn * column, tube = turn * row;
         const glm::dvec3 out(std::cos(around), 0.0, std::sin(around));
-        const glm::dvec3 normal = std::cos(tube) * out - glm::dvec3(0, std::sin(tube), 0);
+        const glm::dvec3 normal = std::cos(tube) * out + glm::dvec3(0, std::sin(tube), 0);
         return std::pair(kRadiusM * out + kTubeM * normal, normal);
     });
 }

@@ -56,15 +56,18 @@ fs::path assetPathOf(const Script& script, const SceneLibrary& library) {
     return path;
 }
 
-std::shared_ptr<const Scene> loadScript(const fs::path& file, const SceneLibrary& library,
-                                        const LoadOptions& options) {
-    const Script script = readScript(file);
+bool isProcedural(const Script& script) {
     try {
-        if (const auto made = ProceduralAsset::parsed(script.asset))
-            return buildScene(made->make(script.asset, options), script, options);
+        return ProceduralAsset::parsed(script.asset).has_value();
     } catch (const std::invalid_argument& e) {
         failScript(script, script.assetWhere, e.what());
     }
+}
+
+std::shared_ptr<const Scene> loadScript(const fs::path& file, const SceneLibrary& library,
+                                        const LoadOptions& options) {
+    const Script script = readScript(file);
+    if (isProcedural(script)) return buildScene(loadAsset(script.asset, options), script, options);
     const fs::path asset = assetPathOf(script, library);
     std::error_code error;
     if (!fs::exists(asset, error)) {

@@ -50,7 +50,9 @@ struct ScriptTrack {
 struct Script {
     std::filesystem::path file;
     std::string shows, figure;
-    std::string asset;    ///< "generated:NAME.glb", "package:/PATH" or a path next to the script
+    /// "generated:NAME.glb", "package:/PATH", "procedural:..." (ProceduralAsset) or a path next to
+    /// the script.
+    std::string asset;
     std::string package;  ///< Debian package that the asset comes from, may be empty
     std::string assetWhere;
     bool ground = false;

@@ -1,5 +1,8 @@
 #include "core/trace/shaft.hpp"
 
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
+
 #include <algorithm>
 #include <numeric>
 
@@ -8,6 +11,7 @@ namespace penumbra {
 namespace {
 
 constexpr std::uint32_t kLeafTriangles = 6;
+constexpr std::uint32_t kParallelRuns = 4096;  ///< fewer are one task
 
 }  // namespace
 
@@ -52,17 +56,36 @@ ShaftTree::ShaftTree(const std::vector<glm::dvec3>& vertices,
     : vertices_(vertices), triangles_(triangles), run_(run) {
     const auto count = static_cast<std::uint32_t>(triangles.size());
     std::vector<Bounds> boxes((count + run - 1) / run);
-    for (std::uint32_t t = 0; t < count; ++t)
-        for (const std::uint32_t vertex : triangles[t]) boxes[t / run].add(vertices[vertex]);
+    tbb::parallel_for(std::size_t{0}, boxes.size(), [&](std::size_t i) {
+        const auto first = static_cast<std::uint32_t>(i) * run;
+        for (std::uint32_t t = first; t < std::min(count, first + run); ++t)
+            for (const std::uint32_t vertex : triangles[t]) boxes[i].add(vertices[vertex]);
+    });
     order_.resize(boxes.size());
     std::iota(order_.begin(), order_.end(), 0u);
-    if (!order_.empty()) build(boxes, 0, static_cast<std::uint32_t>(order_.size()));
+    if (order_.empty()) return;
+    const auto runs = static_cast<std::uint32_t>(order_.size());
+    NodeCounts counts;
+    nodes_.resize(countNodes(runs, counts));
+    build(boxes, counts, 0, 0, runs);
 }
 
-std::uint32_t ShaftTree::build(const std::vector<Bounds>& boxes, std::uint32_t first,
-                               std::uint32_t count) {
-    const auto index = static_cast<std::uint32_t>(nodes_.size());
-    nodes_.emplace_back();
+bool ShaftTree::isLeaf(std::uint32_t count) const {
+    return count * run_ <= std::max(kLeafTriangles, run_);
+}
+
+std::uint32_t ShaftTree::countNodes(std::uint32_t count, NodeCounts& counts) const {
+    if (isLeaf(count)) return 1;
+    // Halves differ by one at most, so that each level has two counts.
+    if (const auto known = counts.find(count); known != counts.end()) return known->second;
+    const std::uint32_t nodes =
+        1 + countNodes(count / 2, counts) + countNodes(count - count / 2, counts);
+    counts.emplace(count, nodes);
+    return nodes;
+}
+
+void ShaftTree::build(const std::vector<Bounds>& boxes, const NodeCounts& counts,
+                      std::uint32_t index, std::uint32_t first, std::uint32_t count) {
     Bounds box, centres;
     for (std::uint32_t i = first; i < first + count; ++i) {
         const Bounds& one = boxes[order_[i]];
@@ -70,22 +93,29 @@ std::uint32_t ShaftTree::build(const std::vector<Bounds>& boxes, std::uint32_t f
         box.add(one.hi);
         centres.add(one.centre());
     }
-    nodes_[index].box = box;
-    if (count * run_ <= std::max(kLeafTriangles, run_)) {
-        nodes_[index].first = first;
-        nodes_[index].count = count;
-        return index;
+    Node& node = nodes_[index];
+    node.box = box;
+    if (isLeaf(count)) {
+        node.first = first;
+        node.count = count;
+        return;
     }
     const glm::dvec3 size = centres.hi - centres.lo;
     const int axis = size.x >= size.y ? (size.x >= size.z ? 0 : 2) : (size.y >= size.z ? 1 : 2);
     const auto key = [&](std::uint32_t run) { return boxes[run].lo[axis] + boxes[run].hi[axis]; };
     const auto begin = order_.begin() + first;
-    std::nth_element(begin, begin + count / 2, begin + count,
+    const std::uint32_t half = count / 2;
+    std::nth_element(begin, begin + half, begin + count,
                      [&](std::uint32_t l, std::uint32_t r) { return key(l) < key(r); });
-    build(boxes, first, count / 2);
-    const std::uint32_t right = build(boxes, first + count / 2, count - count / 2);
-    nodes_[index].right = right;
-    return index;
+    node.right = index + 1 + (isLeaf(half) ? 1 : counts.at(half));
+    const auto left = [&] { build(boxes, counts, index + 1, first, half); };
+    const auto right = [&] { build(boxes, counts, node.right, first + half, count - half); };
+    if (count > kParallelRuns) {
+        tbb::parallel_invoke(left, right);
+    } else {
+        left();
+        right();
+    }
 }
 
 void ShaftTree::query(const Shaft& shaft, std::vector<std::uint32_t>& found) const {

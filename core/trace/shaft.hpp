@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <optional>
+#include <unordered_map>
 #include <vector>
 
 #include "core/scene/area_light.hpp"
@@ -86,7 +87,14 @@ class ShaftTree {
     /// A median split halves the count: more than enough for 2^32 triangles.
     static constexpr int kMaxDepth = 40;
 
-    std::uint32_t build(const std::vector<Bounds>& boxes, std::uint32_t first, std::uint32_t count);
+    /// Nodes of a subtree by its runs, for each count there is in the tree but leaves'.
+    using NodeCounts = std::unordered_map<std::uint32_t, std::uint32_t>;
+    bool isLeaf(std::uint32_t count) const;
+    std::uint32_t countNodes(std::uint32_t count, NodeCounts& counts) const;
+    /// Fills `nodes_` from `index` on. Where a subtree begins follows from the counts alone, so
+    /// that both halves can be built at once and the tree is the same on any number of threads.
+    void build(const std::vector<Bounds>& boxes, const NodeCounts& counts, std::uint32_t index,
+               std::uint32_t first, std::uint32_t count);
     /// Calls `onTriangle` with all that `shaft` does not miss until it returns false.
     template <class MayHold, class OnTriangle>
     void visit(const Shaft& shaft, const MayHold& mayHold, const OnTriangle& onTriangle) const;

@@ -1,5 +1,7 @@
 #include "harness/reference/exact_outline.hpp"
 
+#include <tbb/parallel_sort.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -18,8 +20,10 @@ std::vector<std::uint32_t> placesOf(const std::vector<glm::vec3>& positions,
         const glm::vec3& p = positions[i];
         return std::tuple(p.x, p.y, p.z);
     };
-    std::sort(order.begin(), order.end(),
-              [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
+    // By index, too: -0 and 0 are one place, and the first of them gives it.
+    tbb::parallel_sort(order, [&](std::uint32_t a, std::uint32_t b) {
+        return std::tuple(key(a), a) < std::tuple(key(b), b);
+    });
     for (const std::uint32_t i : order) {
         if (places.empty() || places.back() != positions[i]) places.push_back(positions[i]);
         place[i] = static_cast<std::uint32_t>(places.size() - 1);
@@ -61,6 +65,8 @@ CasterMesh::CasterMesh(const Geometry& geometry, const AreaLight& light) {
         auto ends() const { return std::pair(std::min(from, to), std::max(from, to)); }
     };
     std::vector<Use> uses;
+    uses.reserve(geometry.indices.size());
+    triangles.reserve(geometry.triangleCount());
     for (std::size_t i = 0; i + 2 < geometry.indices.size(); i += 3) {
         const Triangle t = {place[geometry.indices[i]], place[geometry.indices[i + 1]],
                             place[geometry.indices[i + 2]]};
@@ -69,8 +75,8 @@ CasterMesh::CasterMesh(const Geometry& geometry, const AreaLight& light) {
             uses.push_back({t[k], t[(k + 1) % 3], static_cast<std::uint32_t>(triangles.size()), k});
         triangles.push_back(t);
     }
-    std::sort(uses.begin(), uses.end(),
-              [](const Use& a, const Use& b) { return a.ends() < b.ends(); });
+    // What comes first of one edge's uses makes no difference.
+    tbb::parallel_sort(uses, [](const Use& a, const Use& b) { return a.ends() < b.ends(); });
     edgesOf.resize(triangles.size());
     for (const Use& use : uses) {
         const auto [lower, higher] = use.ends();

@@ -1,7 +1,6 @@
 #include "harness/run/run_folder.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 

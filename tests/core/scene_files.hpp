@@ -196,6 +196,19 @@ inline std::string failureOf(const std::filesystem::path& path, const SceneLibra
     return "";
 }
 
+/// That the file is refused in a line that starts with its name and holds `expected`.
+inline void expectRefused(const GltfFile& file, const std::string& expected) {
+    const TempFolder folder;
+    const auto path = folder.write("bad.gltf", file.gltf());
+    const std::string message = failureOf(path, folder.library());
+    EXPECT_TRUE(message.starts_with(path.string())) << message;
+    EXPECT_NE(message.find(expected), std::string::npos) << message;
+}
+
+inline json& primitiveOf(GltfFile& file) {
+    return file.root["meshes"][0]["primitives"][0];
+}
+
 inline glm::dvec3 worldCorner(const Scene& scene, const Geometry& geometry, std::size_t index) {
     return glm::dvec3(geometry.positions[geometry.indices[index]]) + scene.origin;
 }

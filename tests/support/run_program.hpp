@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <spawn.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -28,6 +29,8 @@ inline std::string readText(const std::filesystem::path& path) {
 struct Finished {
     int exitCode = -1;  ///< minus the signal's number when killed
     std::string out, err;
+    /// Most memory that it ever had resident; no less than this process's own when it started it.
+    double peakMiB = 0.0;
 };
 
 /// A program that runs; killed with this object if it still does.
@@ -85,11 +88,13 @@ class Program {
     std::string errorsSoFar() const { return readText(err_); }
     Finished wait() {
         int status = 0;
-        while (waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
+        rusage used{};
+        while (wait4(pid_, &status, 0, &used) < 0 && errno == EINTR) {
         }
         pid_ = 0;
         const Finished result{WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status),
-                              readText(out_), readText(err_)};
+                              readText(out_), readText(err_),
+                              static_cast<double>(used.ru_maxrss) / 1024.0};
         std::filesystem::remove(out_);
         std::filesystem::remove(err_);
         return result;
