@@ -283,6 +283,9 @@ std::vector<std::uint32_t> AccessorReader::indices(int accessor, std::size_t ver
                                accessor, typeName(in.components, in.componentType)));
     }
     budget_.charge(in.count, sizeof(std::uint32_t), user, "its indices");
+    // The greatest value is none (glTF 2.0 specification, section 3.7.2.1): some GL would start a
+    // new strip there.
+    const std::uint32_t restart = 0xFFFFFFFFu >> (32 - 8 * in.componentBytes);
     std::vector<std::uint32_t> out(in.count);
     for (std::size_t i = 0; i < in.count; ++i) {
         const unsigned char* const data = in.element(i);
@@ -290,6 +293,10 @@ std::vector<std::uint32_t> AccessorReader::indices(int accessor, std::size_t ver
         if (out[i] >= vertexCount) {
             fail(user, fmt::format("index {} at position {} is out of range; there are {} vertices",
                                    out[i], i, vertexCount));
+        }
+        if (out[i] == restart) {
+            fail(user,
+                 fmt::format("index {} at position {} is the primitive restart value", out[i], i));
         }
     }
     return out;

@@ -236,12 +236,13 @@ class Loader {
             lens.magY = in.orthographic.ymag;
             lens.nearM = in.orthographic.znear;
             farM = in.orthographic.zfar;
-            if (!(lens.magY > 0.0)) {
-                fail(pointer + "/orthographic/ymag", fmt::format("{} is not above 0", lens.magY));
+            if (!(lens.magY > 0.0 && lens.magY < kMaxExtentM)) {
+                fail(pointer + "/orthographic/ymag",
+                     fmt::format("{} is not between 0 and {:g}", lens.magY, kMaxExtentM));
             }
         }
         if (farM > 0.0 || !perspective) lens.farM = farM;  // a perspective may have no far plane
-        if (!(lens.nearM >= 0.0 && lens.farM > lens.nearM)) {
+        if (!(lens.nearM >= 0.0 && lens.nearM < kMaxExtentM && lens.farM > lens.nearM)) {
             fail(pointer,
                  fmt::format("znear {} and zfar {} do not enclose anything", lens.nearM, farM));
         }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "core/scene/input_text.hpp"
+#include "core/scene/supported_input.hpp"
 
 namespace penumbra::scene_detail {
 
@@ -63,8 +64,15 @@ std::vector<glm::vec2> VertexReader::uvs(const TextureMapping& mapping) {
     }
     std::vector<glm::vec2> out = read<glm::vec2>(
         name, {2, integers_ == Integers::none ? Integers::normalised : integers_, false});
-    if (mapping.matrix == glm::dmat3(1.0)) return out;
-    for (glm::vec2& uv : out) uv = glm::vec2(mapping.matrix * glm::dvec3(uv, 1.0));
+    for (std::size_t i = 0; i < out.size(); ++i) {
+        const glm::dvec2 mapped(mapping.matrix * glm::dvec3(out[i], 1.0));
+        if (!(glm::length(mapped) < kMaxExtentM)) {
+            fail(pointer_ + "/attributes/" + name,
+                 fmt::format("element {} is beyond {:g} after its texture's transform",
+                             vertices_[i], kMaxExtentM));
+        }
+        out[i] = glm::vec2(mapped);
+    }
     return out;
 }
 

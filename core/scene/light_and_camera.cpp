@@ -129,7 +129,8 @@ AreaLight LightAndCamera::lightAt(double timeS, const std::vector<glm::dmat4>& w
     if (fixedLight_) return *fixedLight_;
     if (rectangle_) {
         const AreaLight light = rectangle_->placedBy(world[rectangleNode_]);
-        if (!(light.area() > 0.0 && glm::length(light.centre) < kMaxExtentM)) {
+        const double reachM = glm::length(light.centre) + light.halfU + light.halfV;
+        if (!(light.area() > 0.0 && reachM < kMaxExtentM)) {
             fail(fmt::format("its light is no rectangle at {} s", timeS));
         }
         return light;

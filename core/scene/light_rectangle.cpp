@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "core/scene/supported_input.hpp"
+
 namespace penumbra::scene_detail {
 namespace {
 
@@ -35,7 +37,7 @@ bool isRectangle(const Corners& c) {
     const glm::dvec3 u = c[1] - c[0], v = c[3] - c[0];
     const double lengthU = glm::length(u), lengthV = glm::length(v);
     const double shorter = std::min(lengthU, lengthV);
-    return shorter > 0.0 && std::isfinite(lengthU + lengthV) &&
+    return shorter > 0.0 && lengthU + lengthV < kMaxExtentM &&
            glm::length(c[0] + c[2] - c[1] - c[3]) <= kTolerance * shorter &&
            std::abs(glm::dot(u, v)) <= kTolerance * lengthU * lengthV;
 }

@@ -1,5 +1,7 @@
 #include "core/scene/pose.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <map>
 #include <utility>
@@ -13,6 +15,13 @@ glm::dmat3 normalMatrixOf(const glm::dmat3& linear) {
     const glm::dmat3 cofactors(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]),
                                glm::cross(linear[0], linear[1]));
     return glm::determinant(linear) < 0.0 ? cofactors * -1.0 : cofactors;
+}
+
+/// No vector gets longer by more.
+double scaleOf(const glm::dmat4& matrix) {
+    const double x = glm::length(glm::dvec3(matrix[0])), y = glm::length(glm::dvec3(matrix[1])),
+                 z = glm::length(glm::dvec3(matrix[2]));
+    return std::sqrt(x * x + y * y + z * z);
 }
 
 }  // namespace
@@ -98,6 +107,36 @@ Pose PoseLayout::at(const Asset& asset, const std::vector<NodeTrack>& tracks,
         pose.weights[firstWeight[track.node] + target] = track.curve.at(timeS).x;
     }
     return pose;
+}
+
+PrimitiveReach::PrimitiveReach(const AssetPrimitive& primitive,
+                               std::span<const glm::dmat4> instances) {
+    const auto greatest = [](const std::vector<glm::vec3>& vectors) {
+        double length = 0.0;
+        for (const glm::vec3& v : vectors) length = std::max(length, glm::length(glm::dvec3(v)));
+        return length;
+    };
+    rest_ = greatest(primitive.positions);
+    for (const MorphTarget& target : primitive.targets) {
+        targets_.push_back(greatest(target.positions));
+    }
+    for (const glm::dmat4& instance : instances) {
+        scale_ = std::max(scale_, scaleOf(instance));
+        offset_ = std::max(offset_, glm::length(glm::dvec3(instance[3])));
+    }
+}
+
+double PrimitiveReach::in(std::span<const glm::dmat4> matrices,
+                          std::span<const double> weights) const {
+    double local = rest_;
+    for (std::size_t t = 0; t < targets_.size(); ++t) local += std::abs(weights[t]) * targets_[t];
+    const double placed = scale_ * local + offset_;
+    double reach = 0.0;
+    for (const glm::dmat4& matrix : matrices) {
+        const double each = scaleOf(matrix) * placed + glm::length(glm::dvec3(matrix[3]));
+        reach = each > reach || std::isnan(each) ? each : reach;
+    }
+    return reach;
 }
 
 VertexPlacer::VertexPlacer(const AssetPrimitive& primitive, std::span<const glm::dmat4> matrices,

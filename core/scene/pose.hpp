@@ -55,6 +55,20 @@ class PoseLayout {
     std::vector<PoseRange> ranges_;  ///< per placement
 };
 
+/// How far from the origin of the world a primitive's vertices can be, whatever the pose.
+class PrimitiveReach {
+  public:
+    PrimitiveReach(const AssetPrimitive& primitive, std::span<const glm::dmat4> instances);
+
+    /// Metres, at most some four times too many. The spans are as for VertexPlacer.
+    double in(std::span<const glm::dmat4> matrices, std::span<const double> weights) const;
+
+  private:
+    double rest_ = 0.0;                  ///< greatest length of a position
+    std::vector<double> targets_;        ///< greatest length of a displacement
+    double scale_ = 0.0, offset_ = 0.0;  ///< of the instances
+};
+
 /// A primitive's vertices where a pose puts them, relative to `origin`, in double: morph targets
 /// first, then the skin's blended matrix (glTF 2.0, section 3.7.3.3) or the node's.
 class VertexPlacer {

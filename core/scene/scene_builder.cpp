@@ -236,7 +236,8 @@ class Builder {
             for (const double weight : range.weightsOf(pose)) {
                 good = good && std::abs(weight) < kMaxExtentM;
             }
-            if (good) continue;
+            const double reachM = reaches_[i].in(range.matricesOf(pose), range.weightsOf(pose));
+            if (good && reachM < kMaxExtentM) continue;
             fail(
                 fmt::format("'{}' is out of all bounds at {} s", asset_.placements[i].name, timeS));
         }
@@ -244,6 +245,9 @@ class Builder {
 
     void fillScene(const LightAndCamera& view) {
         const PoseLayout layout(asset_);
+        for (const Placement& placement : asset_.placements) {
+            reaches_.emplace_back(asset_.primitives[placement.primitive], instancesOf(placement));
+        }
         std::vector<Pose> poses;
         std::unordered_multimap<std::size_t, std::size_t> known;  // by hash
         std::vector<LoadedScene::FrameState> frames;
@@ -304,6 +308,7 @@ class Builder {
     std::vector<bool> morphs_;       ///< per node: its morph weights do
     std::vector<glm::dmat4> world_;  ///< per node, at frame 0
     Bounds bounds_;                  ///< of the asset without its light and ground, at frame 0
+    std::vector<PrimitiveReach> reaches_;  ///< per placement
 };
 
 }  // namespace

@@ -8,10 +8,10 @@
 #include <cmath>
 #include <fstream>
 #include <set>
-#include <sstream>
 
 #include "core/error.hpp"
 #include "core/scene/input_text.hpp"
+#include "core/scene/supported_input.hpp"
 
 namespace penumbra::scene_detail {
 namespace {
@@ -37,10 +37,25 @@ const std::string kTargetNames =
     "light.position, light.target, light.size, camera.position, camera.target, camera.fov_y, "
     "node:NAME.translation, node:NAME.rotation, node:NAME.scale";
 constexpr std::size_t kMaxFrames = 10'000;
+constexpr std::uintmax_t kMaxScriptBytes = 16 << 20;
+constexpr int kMaxDotsPerLine = 16;
 
 std::string placeOf(const toml::node& node) {
     const toml::source_position at = node.source().begin;
     return fmt::format("{}:{}", std::max<unsigned>(at.line, 1), std::max<unsigned>(at.column, 1));
+}
+
+/// Of a number with one: digits on both sides that no further dot follows or precedes.
+bool isDecimalPoint(const std::string& text, std::size_t dot) {
+    const auto isDigit = [&](std::size_t i) {
+        return i < text.size() && text[i] >= '0' && text[i] <= '9';
+    };
+    if (dot == 0 || !isDigit(dot - 1) || !isDigit(dot + 1)) return false;
+    std::size_t first = dot - 1, last = dot + 1;
+    while (first > 0 && isDigit(first - 1)) --first;
+    while (isDigit(last + 1)) ++last;
+    return (first == 0 || text[first - 1] != '.') &&
+           (last + 1 == text.size() || text[last + 1] != '.');
 }
 
 class Reader {
@@ -88,16 +103,45 @@ class Reader {
         failScript(script_, placeOf(node), what);
     }
 
-    toml::table parsed() const {
-        std::ifstream in(script_.file, std::ios::binary);
+    std::string content() const {
+        const auto unreadable = [&] { failInput(script_.file, "", "is not a readable file"); };
         std::error_code error;
-        if (!in || !std::filesystem::is_regular_file(script_.file, error)) {
-            failInput(script_.file, "", "is not a readable file");
+        // Opening a pipe would wait for who writes to it.
+        if (!std::filesystem::is_regular_file(script_.file, error)) unreadable();
+        const std::uintmax_t size = std::filesystem::file_size(script_.file, error);
+        if (error) unreadable();
+        if (size > kMaxScriptBytes) {
+            failInput(script_.file, "",
+                      fmt::format("has {} bytes; a script has at most {}", size, kMaxScriptBytes));
         }
-        std::stringstream content;
-        content << in.rdbuf();
+        std::string text(size, '\0');
+        std::ifstream in(script_.file, std::ios::binary);
+        if (!in.read(text.data(), static_cast<std::streamsize>(size))) unreadable();
+        return text;
+    }
+
+    /// toml++ 3.3 bounds the depth of values in each other, not that of dotted keys, and recurses
+    /// through tables. Keys lie within a line, whatever it quotes.
+    void refuseDeepKeys(const std::string& text) const {
+        int line = 1, dots = 0;
+        for (std::size_t i = 0; i < text.size(); ++i) {
+            if (text[i] == '\n') {
+                ++line;
+                dots = 0;
+            }
+            const bool separates = text[i] == '.' && (i == 0 || text[i - 1] != '.');
+            if (!separates || isDecimalPoint(text, i) || ++dots <= kMaxDotsPerLine) continue;
+            failScript(
+                script_, fmt::format("{}:1", line),
+                fmt::format("has more than {} dots that are no decimal points", kMaxDotsPerLine));
+        }
+    }
+
+    toml::table parsed() const {
+        const std::string text = content();
+        refuseDeepKeys(text);
         try {
-            return toml::parse(content.str());
+            return toml::parse(text);
         } catch (const toml::parse_error& e) {
             failScript(script_,
                        fmt::format("{}:{}", e.source().begin.line, e.source().begin.column),
@@ -142,6 +186,10 @@ class Reader {
         const std::optional<double> value =
             node.is_number() ? node.value<double>() : std::optional<double>();
         if (!value || !std::isfinite(*value)) fail(node, name + " must be a finite number");
+        if (!(std::abs(*value) <= kMaxExtentM)) {
+            fail(node, fmt::format("{0} must be a number from -{2:g} to {2:g}, not {1:g}", name,
+                                   *value, kMaxExtentM));
+        }
         return *value;
     }
 

@@ -57,9 +57,16 @@ constexpr std::array kTable = {
     SupportedInput{"whole_numbers", limit,
                    "indices, counts and offsets: whole numbers from 0 to 2147483647"},
     SupportedInput{"triangles", limit, "100 million in all places of a scene"},
-    SupportedInput{"image", limit, "268435456 texels (16384 x 16384), PNG or JPEG by content"},
-    SupportedInput{"extent", limit, "1e15 m from the origin"},
+    SupportedInput{"image", limit,
+                   "268435456 texels (16384 x 16384), PNG or JPEG by content; 100 scans of a "
+                   "progressive JPEG"},
+    SupportedInput{
+        "extent", limit,
+        "1e15 m from the origin, of vertices in every frame, lights and cameras; 1e15 of "
+        "texture coordinates and of every number in a script"},
     SupportedInput{"frames", limit, "10000 in a script"},
+    SupportedInput{"script", limit,
+                   "16 MiB, values 256 deep, 16 dots in a line besides decimal points"},
 };
 
 }  // namespace

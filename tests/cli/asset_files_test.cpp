@@ -41,6 +41,41 @@ TEST_F(AssetFiles, ASampleOfAssimpsFilesRendersOrIsRefused) {
     EXPECT_EQ(skin.exitCode, 0) << skin.err;
 }
 
+/// One picture of every file that loads, in one process: what takes the time is its start.
+TEST_F(AssetFiles, EveryFileOfAssimpThatLoadsRenders) {
+    const std::filesystem::path root = "/usr/share/assimp/models/glTF2";
+    if (!std::filesystem::exists(root)) GTEST_SKIP() << "install Debian package assimp-testmodels";
+    Texts arguments = {
+        "compare", "--method",  "hard",    "--size",      "24x24",          "--repeats", "1",
+        "--out",   path("run"), "--cache", path("cache"), "--reference-se", "0.3",       "--scene"};
+    std::map<std::string, std::filesystem::path> files;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(root)) {
+        const std::filesystem::path file = entry.path();
+        if (file.extension() != ".gltf" && file.extension() != ".glb") continue;
+        if (!testing::failureOf(file, folder.library()).empty()) continue;
+        // A script gives each an id of its own: several files have one name.
+        const std::string id = "asset_" + std::to_string(files.size());
+        const std::string script =
+            "shows = 'an asset'\nasset = 'package:" + file.string() + "'\nground = true\n";
+        arguments.push_back(folder.write(id + ".toml", script).string());
+        files[id] = file;
+    }
+    ASSERT_FALSE(files.empty());
+    const test::Finished done = test::penumbra(arguments);
+    ASSERT_EQ(done.exitCode, 0) << done.err;
+    for (const Row& row : readCsv(folder.path() / "run/results.csv")) {
+        const std::filesystem::path& file = files.at(row.scene);
+        EXPECT_EQ(row.status, "ok") << file << " " << row.message;
+        EXPECT_EQ(row.metrics.nonfinite, 0u) << file;
+        EXPECT_EQ(row.metrics.outOfRange, 0u) << file;
+        // The camera that is placed where an asset has none sees it and its ground.
+        EXPECT_GT(row.metrics.scoredPixels, 24u * 24u / 20u) << file;
+        EXPECT_TRUE(row.metrics.rmseLit) << file << " has no lit pixel";
+        files.erase(row.scene);
+    }
+    EXPECT_TRUE(files.empty()) << files.begin()->second << " has no row";
+}
+
 TEST_F(AssetFiles, SceneAndCameraAreChosenAndRecorded) {
     const std::string file = folder.write("a.glb", testing::deformingFile().glb()).string();
     expectRefused(compare(file, {"--camera", "nope"}), "the cameras are 0 'front', 1 'left'");

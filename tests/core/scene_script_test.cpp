@@ -218,6 +218,29 @@ TEST(SceneScript, AbsentPackageSkipsTheScene) {
     }
 }
 
+TEST(SceneScript, DecimalPointsAndDotsInProseAreNoDeepKeys) {
+    const TempFolder folder;
+    const std::string many =
+        "times = [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, "
+        "1.2, 1.3, 1.4, 1.5e0, 1.6, 1.7, 1.8, 1.9]\n";
+    EXPECT_EQ(loadText(folder, "# " + std::string(80, '.') + "\n" + kHead + "[frames]\n" + many)
+                  ->frameCount(),
+              20);
+}
+
+TEST(SceneScript, SizeAndFramesAreBounded) {
+    const TempFolder folder;
+    const auto path = folder.write("test.toml", kHead + std::string(16 << 20, '#'));
+    EXPECT_NE(failureOf(path, folder.library()).find("a script has at most 16777216"),
+              std::string::npos);
+    std::string times = "[frames]\ntimes = [0";
+    for (int i = 1; i <= 10000; ++i) times += "," + std::to_string(i);
+    folder.write("test.toml", kHead + times + "]\n");
+    EXPECT_NE(failureOf(path, folder.library()).find("test.toml:4:9: at most 10000 frames"),
+              std::string::npos)
+        << failureOf(path, folder.library());
+}
+
 struct BadScript {
     const char* name;
     std::string text;
@@ -235,6 +258,12 @@ TEST_P(SceneScriptBad, IsRefusedWithItsPlace) {
     EXPECT_TRUE(message.starts_with(fmt::format("{}:{}", path.string(), GetParam().place)))
         << message;
     EXPECT_NE(message.find(GetParam().expected), std::string::npos) << message;
+}
+
+std::string repeated(const std::string& text, int times) {
+    std::string out;
+    for (int i = 0; i < times; ++i) out += text;
+    return out;
 }
 
 const std::string kFull = kHead + kCamera + kLight;  // 10 lines
@@ -314,6 +343,29 @@ const BadScript kBadScripts[] = {
     {"GeneratedWithFolder", "shows = 'x'\nasset = 'generated:../a.glb'\n", "2:9",
      "plain file name"},
     {"PackageRelative", "shows = 'x'\nasset = 'package:a.glb'\n", "2:9", "absolute path"},
+    {"NanTime", kHead + "[frames]\ntimes = [0, nan]\n", "4:13", "finite number"},
+    {"TextTime", kHead + "[frames]\ntimes = [0, '1']\n", "4:13", "finite number"},
+    {"UnsortedTrack",
+     kFull + "[[track]]\ntarget = 'light.size'\ntimes = [1, 0]\nvalues = [[1, 1], [1, 1]]\n",
+     "13:13", "must increase"},
+    {"KeyTwice", kHead + "shows = 'y'\n", "3:", "rror"},
+    {"HalfATable", kHead + "[[:edge]]\n", "3:", "rror"},
+    {"NoUtf8", kHead + "figure = '\xFF'\n", "3:", "tf-8"},
+    // What the reference's and the GPU's floats would make infinite.
+    {"FarLight", kHead + "[light]\nposition=[1e30,4,0]\ntarget=[0,0,0]\nsize=[1,1]\n", "4:11",
+     "position must be a number from -1e+15 to 1e+15, not 1e+30"},
+    {"WideLight", kHead + "[light]\nposition=[0,4,0]\ntarget=[0,0,0]\nsize=[1e25,1e25]\n", "6:7",
+     "size must be a number from -1e+15"},
+    {"FarCamera", kHead + "[camera]\nposition=[0,-1e300,0]\ntarget=[0,0,0]\nfov_y=30\n", "4:13",
+     "position must be a number from -1e+15"},
+    {"WideTrack", kFull + "[[track]]\ntarget='node:arm.scale'\ntimes=[0]\nvalues=[[1, 1e16, 1]]\n",
+     "14:13", "each of values must be a number from -1e+15"},
+    // toml++ itself would overflow the stack over keys of some 20000 parts.
+    {"DeepKey", kHead + "a" + repeated(".a", 100000) + " = 1\n", "3:1", "more than 16 dots"},
+    {"DeepTable", kHead + "[a" + repeated(" . '.'", 20) + "]\n", "3:1", "more than 16 dots"},
+    {"DeepKeyOfNumbers", kHead + "1.1" + repeated(" .1.1", 17) + " = 1\n", "3:1",
+     "more than 16 dots"},
+    {"DeepList", kHead + "a = " + repeated("[", 100000) + "\n", "3:", "nested"},
 };
 
 INSTANTIATE_TEST_SUITE_P(All, SceneScriptBad, ::testing::ValuesIn(kBadScripts),
