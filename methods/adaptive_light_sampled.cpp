@@ -6,6 +6,11 @@
 // that hide none of them, and in the paper's own form those that hide two opposite ones alike or
 // shadows of few pixels; and what it saves in maps it pays in comparisons, unless these share the
 // evaluation's fetches or are made at few pixels.
+//
+// Of a plan it saves what light_sampled does: triangles, parts and lit tiles.
+// layered_casters saves nothing, for a map keeps one layer however many there are, nor does
+// thin_casters beyond the second sides that closed bodies do without; dark tiles are looked up, for
+// that every map is blocked cannot be told for less.
 
 #include <algorithm>
 #include <array>
@@ -125,7 +130,7 @@ class AdaptiveLightSampled : public ShadowMethod {
     }
 
     void prepare(const Scene&, const Plan& plan) override {
-        maps_ = LightMaps(plan);
+        maps_ = LightMaps(plan, mapParts(plan), kernel());
         plan_ = plan;
         if (!plan.has(Effect::penumbra)) {
             oneMap_ = evaluation("light_sampled.glsl", {"PASS_ONE_MAP"});
@@ -205,6 +210,12 @@ class AdaptiveLightSampled : public ShadowMethod {
     }
 
   private:
+    /// Comparisons of depths see what no shadow test does.
+    MapParts mapParts(const Plan& plan) const {
+        return compare_.is("tight") && !space_.is("light") ? bias_.compared(plan, kernel())
+                                                           : MapBias::filtered(plan);
+    }
+
     bool bits() const { return countBy_.is("bits") && compare_.is("tight") && space_.is("camera"); }
     bool shadedFromBits() const { return bits() && evaluation_.is("bits") && stride_ == 1; }
     bool skips() const {

@@ -3,7 +3,7 @@
 // is the baseline for cost and the limit that every soft method must reach as the light shrinks.
 // Edges show the map's texels.
 //
-// Without self_shadow the map holds only the parts that cast and nothing is biased. Thin and
+// The map holds only the parts that cast, and without self_shadow nothing is biased. Thin and
 // layered casters are one texel like any other: nothing to save. Pixels are one comparison each,
 // which is less than any test that could spare it.
 
@@ -31,7 +31,7 @@ class Hard : public ShadowMethod {
     }
 
     void prepare(const Scene&, const Plan& plan) override {
-        depth_ = DepthPass(plan.has(Effect::alpha_mask), !plan.has(Effect::self_shadow));
+        depth_ = DepthPass(plan.has(Effect::alpha_mask), bias_.compared(plan, 1));
         program_ = gl::Program::graphics("hard.glsl", MapBias::defines(plan));
     }
 

@@ -8,10 +8,10 @@
 // contact, which sums to a soft peter-panning.
 //
 // A plan saves what can change no comparison: triangles that no map shows at a receiver (closed
-// bodies have one side only; thin_casters are drawn from both), parts that cast nothing where
-// self_shadow is off, and the lookups of tiles that nothing can shadow (LitTiles). Dark tiles are
-// looked up: that a map from every point is blocked cannot be told for less than looking. Nothing
-// is saved on layered_casters, for a map keeps one layer however many there are.
+// bodies have one side only; thin_casters are drawn from both), parts that cast nothing, the bias
+// where self_shadow is off, and the lookups of tiles that nothing can shadow (LitTiles). Dark tiles
+// are looked up: that a map from every point is blocked cannot be told for less than looking.
+// Nothing is saved on layered_casters, for a map keeps one layer however many there are.
 
 #include <algorithm>
 #include <cmath>
@@ -74,7 +74,7 @@ class LightSampled : public ShadowMethod {
 
     void prepare(const Scene&, const Plan& plan) override {
         plan_ = plan;
-        maps_ = LightMaps(plan);
+        maps_ = LightMaps(plan, bias_.compared(plan, kernel()), kernel());
         if (!plan.has(Effect::penumbra)) {
             oneMap_ = program({"PASS_ONE_MAP"});
             return;
@@ -133,6 +133,8 @@ class LightSampled : public ShadowMethod {
         return gl::Program::graphics("light_sampled.glsl", MapBias::defines(plan_, defines));
     }
 
+    int kernel() const { return pcf_ ? 2 : 1; }
+
     void drawn(const gl::Program& program) const {
         program.use();
         maps_.bind(program);
@@ -140,7 +142,7 @@ class LightSampled : public ShadowMethod {
     }
 
     void classify(const Frame& frame) {
-        tiles_.find(frame, maps_.half(), maps_.reachTangent(pcf_ ? 2 : 1));
+        tiles_.find(frame, maps_.half(), maps_.reachTangent(kernel()));
         classes_.decide(frame, tiles_);
     }
 

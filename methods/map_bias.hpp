@@ -6,6 +6,7 @@
 #include "core/effects/effects.hpp"
 #include "core/gl/program.hpp"
 #include "core/parameter/parameter.hpp"
+#include "core/passes/depth_pass.hpp"
 
 namespace penumbra {
 
@@ -28,6 +29,19 @@ class MapBias : public FloatParameter {
     /// Texels, 0 where the plan has none.
     float texels(const Plan& plan) const {
         return plan.has(Effect::self_shadow) ? static_cast<float>(*this) : 0.0f;
+    }
+    /// What a map holds that receivers are compared with texel by texel, with `kernel` x `kernel`
+    /// of them. Too little bias shows a surface its own shadow, which is not there without the
+    /// surface.
+    MapParts compared(const Plan& plan, int kernel) const {
+        return plan.everyPixel                              ? MapParts::all
+               : !plan.has(Effect::self_shadow)             ? MapParts::casting
+               : *this >= 0.5f * static_cast<float>(kernel) ? MapParts::compared
+                                                            : MapParts::all;
+    }
+    /// The same of a map that a filter adds up, which may find what no comparison does.
+    static MapParts filtered(const Plan& plan) {
+        return plan.has(Effect::self_shadow) ? MapParts::all : MapParts::casting;
     }
     /// Sets its uniform on `program` (in use), where it has one.
     void set(const gl::Program& program, const Plan& plan) const {

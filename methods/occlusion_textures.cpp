@@ -164,7 +164,7 @@ class OcclusionTextures : public ShadowMethod {
         if (!soften_) return;
         used_ = choosePrefilter(frame);
         renderSlices(frame);
-        prefilter(frame);
+        prefilter(frame, plan);
     }
 
     void shade(const Frame& frame, const Plan&, const VisibilityTarget& target) override {
@@ -275,14 +275,18 @@ class OcclusionTextures : public ShadowMethod {
         return prefilter_.is("auto") && widestKernelTexels(frame) <= kNarrowTexels ? nBuffers : sat;
     }
 
-    void prefilter(const Frame& frame) {
+    void prefilter(const Frame& frame, const Plan& plan) {
         if (used_ == sat) {
             // Any place of a kernel touches up to two more texels each way, and all of them at
             // most.
             const glm::dvec2 box = glm::min(glm::ceil(widestKernel(frame)) + 2.0,
                                             glm::dvec2(static_cast<double>(mapSize_)));
-            table_.build(slicePass_, box.x * box.y);
-            return;
+            const double texels = box.x * box.y;
+            if (plan.everyPixel) return table_.build(slicePass_, texels);
+            const auto size = static_cast<double>(mapSize_);
+            return table_.build(slicePass_, texels,
+                                {glm::ivec2(glm::floor(drawn_.uvLo * size)),
+                                 glm::ivec2(glm::ceil(drawn_.uvHi * size))});
         }
         slicePass_.unpack();
         const gl::Texture& channels = slicePass_.channels();
@@ -327,14 +331,14 @@ class OcclusionTextures : public ShadowMethod {
     void renderSlices(const Frame& frame) {
         drawn_ = slicesWithCasters(view_, *frame.geometry);
         SliceFill fill{.always = thinCasters_.is("all")};
-        if (fill.always) drawn_ |= drawn_ << 1;
+        if (fill.always) drawn_.slices |= drawn_.slices << 1;
         if (fillsSome()) {
             fill = fill_.find(*frame.geometry, view_,
                               thinCasters_.is("thin") ? FillDepths::Bodies::thinnerThanASlice
                                                       : FillDepths::Bodies::any);
-            drawn_ |= fill_.filled();
+            drawn_.slices |= fill_.filled();
         }
-        slicePass_.render(frame, view_, fill, mapSize_, drawn_);
+        slicePass_.render(frame, view_, fill, mapSize_, drawn_.slices);
     }
 
     /// Uses a program with all that it reads but the G-buffer and tiles.
@@ -348,13 +352,12 @@ class OcclusionTextures : public ShadowMethod {
 
     void setView(const gl::Program& shader, const AreaLight& light) const {
         if (used_ == sat)
-            table_.planes().bind(kOcclusionUnit);
+            table_.bind(shader, kOcclusionUnit);
         else if (used_ == nBuffers)
             buffers_.texture().bind(kOcclusionUnit);
         else
             slicePass_.channels().bind(kOcclusionUnit);
         shader.set("levels", buffers_.levels());
-        shader.set("lanes", table_.lanes());
         shader.set("lightAxes",
                    glm::mat3(glm::transpose(glm::dmat3(view_.axisX, view_.axisY, view_.axisZ))));
         shader.set("lightCentre", glm::vec3(view_.centre));
@@ -370,7 +373,7 @@ class OcclusionTextures : public ShadowMethod {
             const double lower = view_.boundariesM[k + 1],
                          next = k + 2 <= count ? view_.boundariesM[k + 2] : view_.farM;
             shader.set(("lowerM[" + std::to_string(k) + "]").c_str(), static_cast<float>(lower));
-            if (drawn_ >> k & 1)
+            if (drawn_.slices >> k & 1)
                 shader.set(("slices[" + std::to_string(used++) + "]").c_str(),
                            glm::vec4(view_.planesM[k], lower, 1.0 / (next - lower), k));
         }
@@ -385,7 +388,7 @@ class OcclusionTextures : public ShadowMethod {
     gl::Program hard_;
     std::array<Soft, 2> soft_;  ///< without and with comparisons with the map
     SliceView view_;
-    SliceSet drawn_ = 0;  ///< slices that something may be drawn into
+    DrawnSlices drawn_;  ///< what something may be drawn into
     Prefilter used_ = sat;
     bool answersTiles_ = false;  ///< where the table is used
     bool soften_ = false;        ///< the last build made slices

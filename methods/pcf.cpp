@@ -66,7 +66,7 @@ class Pcf : public ShadowMethod {
     }
 
     void prepare(const Scene&, const Plan& plan) override {
-        depth_ = DepthPass(plan.has(Effect::alpha_mask), !plan.has(Effect::self_shadow));
+        depth_ = DepthPass(plan.has(Effect::alpha_mask), MapBias::filtered(plan));
         if (!plan.has(Effect::penumbra)) return compilePoint(plan);
         std::vector<std::string> defines = MapBias::defines(plan);
         if (compare_.is("hardware")) defines.emplace_back("COMPARE_HARDWARE");
@@ -79,6 +79,7 @@ class Pcf : public ShadowMethod {
             tapBuffer_ = gl::Buffer::create(taps.size() * sizeof(glm::uint), taps.data());
         }
         kernelDefines_ = defines;
+        kernelProgram_ = {};
         comparing_ = comparingSampler();
     }
 
@@ -133,11 +134,8 @@ class Pcf : public ShadowMethod {
         return plan.has(Effect::penumbra) && !frame.light.isPoint();
     }
 
-    /// Bounding a texel of the map takes as long as two taps, and half of the taps are spared.
     bool isWorthTiles(const Frame& frame, const Plan& plan) const {
-        constexpr double kTapsPerTexel = 6.0;
-        const double taps = static_cast<double>(taps_) * frame.width() * frame.height();
-        return !plan.everyPixel && taps >= kTapsPerTexel * mapSize_ * mapSize_;
+        return !plan.everyPixel && PixelClasses::areWorth(frame, mapSize_, taps_);
     }
 
     void compileKernel(bool tiled) {

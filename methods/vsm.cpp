@@ -18,12 +18,12 @@
 // closer to the receiver than the stored moments resolve (min_variance) leak at contacts. A light
 // narrower than a texel falls back to the hard comparison.
 //
-// Tiles of pixels before whose planes nothing is in any texel of the widest kernel, by a min/max
-// pyramid of the map, are lit without a lookup, and those dark where casters of much the same depth
-// fill it (prefilters by table only). Without self_shadow
-// nothing is saved where there are penumbrae: what no caster hides must be in the map at its own
-// depth, or the moments are no longer those of blocker and receiver. Thin and layered casters are
-// one texel like any other.
+// At the sizes at which it pays, tiles of pixels before whose planes nothing is in any texel of the
+// widest kernel, by a min/max pyramid of the map, are lit without a lookup, and those dark where
+// casters of much the same depth fill it (prefilters by table only). Without self_shadow nothing is
+// saved where there are penumbrae: what no caster hides must be in the map at its own depth, or the
+// moments are no longer those of blocker and receiver. Thin and layered casters are one texel like
+// any other.
 
 #include <algorithm>
 
@@ -120,7 +120,7 @@ class Vsm : public ShadowMethod {
     }
 
     void prepare(const Scene&, const Plan& plan) override {
-        depth_ = DepthPass(plan.has(Effect::alpha_mask), !mapPlan(plan).has(Effect::self_shadow));
+        depth_ = DepthPass(plan.has(Effect::alpha_mask), MapBias::filtered(mapPlan(plan)));
         if (!plan.has(Effect::penumbra)) return compileHard(plan);
         layerPass_ = LayerPass::create();
         std::vector<std::string> format;
@@ -134,13 +134,8 @@ class Vsm : public ShadowMethod {
         softDefines.emplace_back(kernel_.is("fixed") ? "KERNEL_FIXED" : "KERNEL_PCSS");
         if (usesTable()) softDefines.emplace_back("PREFILTER_TABLE");
         if (prefilter_.is("sat_uint")) softDefines.emplace_back("TABLE_UINT");
-        if (hasClasses(plan)) {
-            minMax_ = MinMaxPyramid::create();
-            classes_ =
-                PixelClasses::create(PixelClasses::Dark::yes, PixelClasses::Footprint::moments);
-            softDefines.emplace_back("UNDECIDED_TILES");
-        }
-        soft_ = gl::Program::graphics("vsm.glsl", softDefines);
+        softDefines_ = softDefines;
+        soft_ = {};
         if (usesTable())
             table_ =
                 SummedAreaTable::create(prefilter_.is("sat_uint") ? SummedAreaTable::Kind::uint32
@@ -155,6 +150,7 @@ class Vsm : public ShadowMethod {
                       mapSize_);
         if (!soften_ && !hard_) compileHard(plan);
         if (!soften_) return;
+        if (!soft_ || tiled_ != isWorthTiles(frame, plan)) compileSoft(isWorthTiles(frame, plan));
         setRanges(frame.lightBounds);
         const double cellTexels = widestCell(frame.light);
         renderMoments(cellTexels);
@@ -162,14 +158,14 @@ class Vsm : public ShadowMethod {
             table_.build(moments_, cellTexels);
         else
             filterMoments(frame.light);
-        if (hasClasses(plan))
+        if (tiled_)
             minMax_.build(depth_,
                           PixelClasses::widestWindow(frame, depth_, kernelBox(frame.light)));
     }
 
     void shade(const Frame& frame, const Plan& plan, const VisibilityTarget& target) override {
         const gl::DebugGroup group("vsm: shade");
-        const bool classified = soften_ && hasClasses(plan);
+        const bool classified = soften_ && tiled_;
         if (classified)
             classes_.classify(frame, depth_, minMax_, bias_.texels(mapPlan(plan)),
                               kernelBox(frame.light));
@@ -218,8 +214,25 @@ class Vsm : public ShadowMethod {
         return plan;
     }
 
-    /// Mip levels and blurs reach beyond their box by more than a kernel is wide.
-    bool hasClasses(const Plan& plan) const { return usesTable() && !plan.everyPixel; }
+    /// Mip levels and blurs reach beyond their box by more than a kernel is wide. What is lit
+    /// leaves after the first of the boxes in any case, so that an answer spares that one's cells.
+    bool isWorthTiles(const Frame& frame, const Plan& plan) const {
+        const double cells =
+            static_cast<double>(subdivisions_) * static_cast<double>(subdivisions_);
+        return usesTable() && !plan.everyPixel && PixelClasses::areWorth(frame, mapSize_, cells);
+    }
+
+    void compileSoft(bool tiled) {
+        tiled_ = tiled;
+        std::vector<std::string> defines = softDefines_;
+        if (tiled) {
+            minMax_ = MinMaxPyramid::create();
+            classes_ =
+                PixelClasses::create(PixelClasses::Dark::yes, PixelClasses::Footprint::moments);
+            defines.emplace_back("UNDECIDED_TILES");
+        }
+        soft_ = gl::Program::graphics("vsm.glsl", defines);
+    }
 
     void compileHard(const Plan& plan) {
         hard_ =
@@ -368,7 +381,9 @@ class Vsm : public ShadowMethod {
     gl::Texture moments_;
     std::vector<Range> ranges_;  ///< of tiles
     glm::dvec2 blurTexels_{0.0};
+    std::vector<std::string> softDefines_;
     bool soften_ = false;  ///< the last build made moments
+    bool tiled_ = false;   ///< soft_ runs on undecided tiles
 };
 
 const Register<Vsm> entry{"vsm", "Variance shadow map", "Donnelly, Lauritzen 2006"};

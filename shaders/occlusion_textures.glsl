@@ -187,7 +187,8 @@ void coverBy(Kernel kernel, int slice, float weight) {
             float x = i == CELLS ? hi.x : kernel.lo.x + float(i) * cell.x;
             vec2 corner = floor(vec2(x, y)), part = vec2(x, y) - corner;
             // (0, 1), (1, 1), (1, 0) and (0, 0)
-            uvec4 at = textureGather(counts, vec3((corner + 1.0) / (mapSize + 1.0), plane));
+            vec2 place = (corner - vec2(table.xy) + 1.0) / vec2(table.zw);
+            uvec4 at = textureGather(counts, vec3(place, plane));  // clamped to the border
             if (j == 0) top[i] = at;
             if (i == 0) left = at;
             uvec4 count = at - left.xxww - top[i].wzzw + uvec4(top[0].w);

@@ -16,6 +16,13 @@ namespace {
 /// sixteenth of the light view's width, which is four texels of a map of 64.
 constexpr double kClearance = 1.0 / 16;
 
+/// How far beside a receiver comparisons find a caster: half a texel of a map of 128, one and a
+/// half of one of 512 that is a third wider.
+constexpr double kBeside = 1.0 / 256;
+
+/// Parts that no sample met are looked for, only to leave them out, up to so many triangles.
+constexpr std::size_t kFewTriangles = 4096;
+
 constexpr const char* kNothingBetween =
     "nothing lies between the light and the points that are asked about";
 
@@ -79,6 +86,7 @@ class Analysis {
         questions.near = sampled_.onCasters == 0;
         questions.layered = sampled_.layered == 0;
         questions.clearance = kClearance * viewWidth();
+        questions.beside = kBeside * viewWidth();
         questions.toleranceM = glm::length(tracer_.shadowOrigin(glm::vec3(0), glm::vec3(1, 0, 0)));
         // A part that no sample met matters where it would be the first of its kind.
         const auto first = [&](const auto& isSuch) {
@@ -88,15 +96,26 @@ class Analysis {
         const bool matters = questions.near || questions.layered ||
                              first([&](std::size_t p) { return facts_.parts[p].thin; }) ||
                              first([&](std::size_t p) { return cuts(p); });
-        if (!matters) {
+        if (!matters && unmetTriangles() > kFewTriangles) {
             return;  // what was not asked about was shown
         }
         survey_ = ShaftSurvey::make(geometry_, receivers_, bodies_, questions);
-        for (std::size_t p = 0; p < facts_.parts.size(); ++p)
+        facts_.besideTangent = questions.beside;
+        for (std::size_t p = 0; p < facts_.parts.size(); ++p) {
             facts_.parts[p].casts = survey_.casts[p];
+            facts_.parts[p].inTheWay = survey_.inTheWay[p];
+        }
         nothingBetween_ = sampled_.blocked == 0 && !anyPart([&](std::size_t p) {
                               return facts_.parts[p].casts || survey_.rises[p];
                           });
+    }
+
+    /// Of the parts that no sample met.
+    std::size_t unmetTriangles() const {
+        std::size_t count = 0;
+        for (std::size_t p = 0; p < geometry_.parts.size(); ++p)
+            if (!sampled_.blocks[p]) count += geometry_.parts[p].indexCount / 3;
+        return count;
     }
 
     /// Of the light's view of the receivers, over the distance from its plane.

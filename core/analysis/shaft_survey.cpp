@@ -20,7 +20,7 @@ constexpr std::size_t kMostBodies = 12, kMostPairs = 4096;
 using Pair = std::pair<std::uint32_t, std::uint32_t>;
 
 struct Found {
-    std::vector<char> casts, near, rises, risesClose;
+    std::vector<char> casts, inTheWay, near, rises, risesClose;
     std::set<std::uint32_t> bodies;
     std::set<Pair> pairs;  ///< between one cluster and the light, the lesser first
     bool tooMany = false;
@@ -28,6 +28,7 @@ struct Found {
     void merge(const Found& o) {
         for (std::size_t p = 0; p < casts.size(); ++p) {
             casts[p] = casts[p] || o.casts[p];
+            inTheWay[p] = inTheWay[p] || o.inTheWay[p];
             near[p] = near[p] || o.near[p];
             rises[p] = rises[p] || o.rises[p];
             risesClose[p] = risesClose[p] || o.risesClose[p];
@@ -54,11 +55,11 @@ class Surveyor {
           receivers_(receivers),
           bodies_(bodies),
           questions_(questions),
+          space_(receivers.light()),
           corners_(receivers.light().corners()),
           halfLight_(receivers.light().halfU, receivers.light().halfV) {
-        const LightSpace space(receivers.light());
         for (const glm::vec3& p : geometry.positions)
-            vertices_.push_back(space.point(glm::dvec3(p)));
+            vertices_.push_back(space_.point(glm::dvec3(p)));
         const bool all = questions.near || questions.layered;
         for (std::uint32_t t = 0, part = 0; t < geometry.triangleCount(); ++t) {
             while (3 * t >= geometry.parts[part].firstIndex + geometry.parts[part].indexCount)
@@ -73,7 +74,7 @@ class Surveyor {
     Found survey() const {
         const ShaftTree tree(vertices_, triangles_);
         Found nothing;
-        nothing.casts = questions_.casts;
+        nothing.casts = nothing.inTheWay = questions_.casts;
         for (std::vector<char>* of : {&nothing.near, &nothing.rises, &nothing.risesClose})
             of->resize(geometry_.parts.size(), 0);
         using Range = tbb::blocked_range<std::size_t>;
@@ -94,7 +95,7 @@ class Surveyor {
     /// Whether no ray meets two of the casters, or one of them twice. Only where all triangles were
     /// surveyed, so that they are numbered as the geometry's.
     bool provesSingle(const Found& found) const {
-        if (found.tooMany) return false;
+        if (found.tooMany || found.pairs.size() > kMostPairs) return false;
         std::map<std::uint32_t, std::vector<std::uint32_t>> trianglesOf;
         for (const std::uint32_t body : found.bodies) trianglesOf[body];
         for (std::uint32_t t = 0; t < triangles_.size(); ++t)
@@ -127,10 +128,14 @@ class Surveyor {
         Bounds around = cluster.box;
         around.lo -= clearM;
         around.hi += clearM;
-        const Shaft shaft(inFront(cluster.box), halfLight_);
+        const double besideM = questions_.beside * cluster.box.hi.z;
+        Bounds texels = cluster.box;
+        texels.lo -= glm::dvec3(besideM, besideM, 0.0);
+        texels.hi += glm::dvec3(besideM, besideM, 0.0);
+        const Shaft shaft(inFront(cluster.box), halfLight_), beside(inFront(texels), halfLight_);
         // A filter adds up what is beside a ray.
         const Shaft wide(inFront(around), halfLight_);
-        tree.query(questions_.near ? wide : shaft, met);
+        tree.query(questions_.near ? wide : beside, met);
         std::vector<std::uint32_t> bodies;
         for (const std::uint32_t t : met) {
             const std::uint32_t part = partOf_[t];
@@ -141,10 +146,11 @@ class Surveyor {
                 found.risesClose[part] = found.risesClose[part] || (close && rising);
             }
             const std::uint32_t body = bodies_.ofVertex[triangles_[t][0]];
+            if (!found.inTheWay[part]) found.inTheWay[part] = mayBlock(t, cluster, beside, besideM);
             const bool isNew = questions_.layered && !found.tooMany &&
                                std::ranges::find(bodies, body) == bodies.end();
-            if ((found.casts[part] && !isNew) || !mayBlock(t, cluster, shaft)) continue;
-            found.casts[part] = 1;
+            if ((found.casts[part] && !isNew) || !mayBlock(t, cluster, shaft, 0.0)) continue;
+            found.casts[part] = found.inTheWay[part] = 1;
             if (isNew) bodies.push_back(body);
         }
         if (!questions_.layered || found.tooMany) return;
@@ -183,7 +189,10 @@ class Surveyor {
                heights(t, cluster.normal, cluster.planeM).second > questions_.toleranceM;
     }
 
-    bool mayBlock(std::uint32_t t, const Receivers::Cluster& cluster, const Shaft& shaft) const {
+    /// Whether the triangle may block a ray that ends as far beside a point of the cluster, and as
+    /// much nearer to the light; `shaft` holds those.
+    bool mayBlock(std::uint32_t t, const Receivers::Cluster& cluster, const Shaft& shaft,
+                  double besideM) const {
         const auto& [a, b, c] = triangles_[t];
         if (shaft.misses(vertices_[a], vertices_[b], vertices_[c]) || !rises(t, cluster))
             return false;
@@ -195,20 +204,27 @@ class Surveyor {
         if (!(length > 0.0)) return false;
         const auto over = [&](const glm::dvec3& q) { return glm::dot(across, q - p) / length; };
         double least = 1e300, most = -1e300;
-        const auto add = [&](const glm::dvec3& q) {
-            least = std::min(least, over(q));
-            most = std::max(most, over(q));
+        const auto add = [&](const glm::dvec3& q, double aroundM) {
+            least = std::min(least, over(q) - aroundM);
+            most = std::max(most, over(q) + aroundM);
             return least < -questions_.toleranceM && most > questions_.toleranceM;
         };
-        if (std::ranges::any_of(corners_, add)) return true;
+        const auto addCorner = [&](const glm::dvec3& q) { return add(q, 0.0); };
+        if (std::ranges::any_of(corners_, addCorner)) return true;
+        // What is beside a point along the light is below a plane by the plane's slope, and above
+        // it for being nearer to the light. Bias and texels are rounded.
+        constexpr double kNearer = 0.95;
+        const glm::dvec3 slope = glm::abs(space_.direction(across)) / length;
+        const double aroundM = besideM * std::max(slope.x + slope.y - kNearer * slope.z, 0.0);
         return std::ranges::any_of(receivers_.points(cluster),
-                                   [&](const glm::vec3& q) { return add(glm::dvec3(q)); });
+                                   [&](const glm::vec3& q) { return add(glm::dvec3(q), aroundM); });
     }
 
     const Geometry& geometry_;
     const Receivers& receivers_;
     const Casters& bodies_;
     const Questions& questions_;
+    LightSpace space_;
     std::array<glm::dvec3, 4> corners_;
     glm::dvec2 halfLight_;
     std::vector<glm::dvec3> vertices_;  ///< in light space
@@ -225,6 +241,7 @@ ShaftSurvey ShaftSurvey::make(const Geometry& geometry, const Receivers& receive
     ShaftSurvey out;
     out.layered = !questions.layered || !surveyor.provesSingle(found);
     out.casts = std::move(found.casts);
+    out.inTheWay = std::move(found.inTheWay);
     const std::vector<char> all(geometry.parts.size(), 1);
     out.near = questions.near ? std::move(found.near) : all;
     out.rises = questions.near ? std::move(found.rises) : all;

@@ -11,6 +11,9 @@ namespace penumbra {
 /// ray: what the survey does not find is not there.
 struct ShaftSurvey {
     std::vector<char> casts;  ///< of each part: it may block a ray
+    /// Of each part: it casts, or may block a ray that ends beside a point by up to `beside` along
+    /// both of the light's sides and is nearer to the light by as much as the farther of them.
+    std::vector<char> inTheWay;
     /// Of each part: it may come within the clearance of a point.
     std::vector<char> near;
     /// Of each part: it may rise above the plane of a point where a filter as wide as the clearance
@@ -25,6 +28,7 @@ struct ShaftSurvey {
         /// How far casters keep from a point to be clear of it, over the point's distance from the
         /// light's plane.
         double clearance = 0.0;
+        double beside = 0.0;      ///< likewise, at most `clearance`
         double toleranceM = 0.0;  ///< by which positions may be off their planes
     };
     /// What is not asked for is true throughout; `near` asks for all but `casts` and `layered`.

@@ -82,6 +82,7 @@ Geometry shadowCasters(const Frame& frame, const CasterChoice& choice) {
         const Part& part = all.parts[p];
         const PartFacts& facts = frame.casterFacts.parts[p];
         if (choice.onlyCasting && !facts.casts) continue;
+        if (choice.onlyInTheWay && !facts.inTheWay) continue;
         const double outward = isOutside(frame.light, half, facts.bodies) ? facts.outward : 0;
         tbb::parallel_for(
             tbb::blocked_range<std::uint32_t>(part.firstIndex / 3,

@@ -10,10 +10,11 @@ namespace penumbra {
 ///   outside of a body meets a face turned towards that point first. A part counts where its bodies
 ///   are closed and oriented alike (PartFacts::outward) and the light is outside of their box;
 /// - what is beside or behind the hull of the light and the receivers that the camera sees;
-/// - with `onlyCasting`, parts that cast no shadow (PartFacts::casts).
+/// - with `onlyCasting`, parts that cast no shadow (PartFacts::casts), with `onlyInTheWay` those
+///   that no comparison finds (PartFacts::inTheWay).
 struct CasterChoice {
     bool wholeLight = true;  ///< false: from the light's centre alone
-    bool onlyCasting = false;
+    bool onlyCasting = false, onlyInTheWay = false;
     /// How far beside a receiver lookups and rays may pass, metres.
     double marginM = 0.0;
 };

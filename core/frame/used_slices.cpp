@@ -4,7 +4,6 @@
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
-#include <functional>
 #include <limits>
 
 namespace penumbra {
@@ -15,48 +14,72 @@ double roundingM(const SliceView& view) {
     return 1e-5 * view.farM;
 }
 
-/// Sides of the frustum that a point is beyond, and the light's plane.
-unsigned beyond(const SliceView& view, const glm::dvec3& p) {
-    constexpr double kRounding = 1e-5;  // of the texture
+constexpr double kRounding = 1e-5;  // of the texture
+
+/// A point's place in the texture times its distance w from the centre of projection.
+glm::dvec3 projected(const SliceView& view, const glm::dvec3& p) {
     const double w = view.orthographic ? 1.0 : p.z + view.copM;
-    const glm::dvec2 uv = glm::dvec2(p) * view.scale + view.offset * w;
-    const double margin = kRounding * w;
-    return unsigned{uv.x < -margin} | unsigned{uv.x > w + margin} << 1 |
-           unsigned{uv.y < -margin} << 2 | unsigned{uv.y > w + margin} << 3 |
-           unsigned{p.z < 0.0} << 4;
+    return {glm::dvec2(p) * view.scale + view.offset * w, w};
+}
+
+/// Sides of the frustum that a point is beyond, and the light's plane.
+unsigned beyond(const glm::dvec3& at, double depthM) {
+    const double w = at.z, margin = kRounding * w;
+    return unsigned{at.x < -margin} | unsigned{at.x > w + margin} << 1 |
+           unsigned{at.y < -margin} << 2 | unsigned{at.y > w + margin} << 3 |
+           unsigned{depthM < 0.0} << 4;
+}
+
+void join(DrawnSlices& all, const DrawnSlices& more) {
+    all.slices |= more.slices;
+    all.uvLo = glm::min(all.uvLo, more.uvLo);
+    all.uvHi = glm::max(all.uvHi, more.uvHi);
 }
 
 }  // namespace
 
-SliceSet slicesWithCasters(const SliceView& view, const Geometry& geometry) {
+DrawnSlices slicesWithCasters(const SliceView& view, const Geometry& geometry) {
     const glm::dmat3 axes = glm::transpose(glm::dmat3(view.axisX, view.axisY, view.axisZ));
     const auto ofTriangle = [&](std::size_t t) {
         unsigned outside = ~0u;
+        DrawnSlices drawn;
+        glm::dvec2 lo(1.0), hi(0.0);
         double nearM = std::numeric_limits<double>::infinity(), farM = -nearM;
         for (std::size_t k = 0; k < 3; ++k) {
             const glm::dvec3 p =
                 axes * (glm::dvec3(geometry.positions[geometry.indices[3 * t + k]]) - view.centre);
             nearM = std::min(nearM, p.z);
             farM = std::max(farM, p.z);
-            outside &= beyond(view, p);
+            const glm::dvec3 at = projected(view, p);
+            outside &= beyond(at, p.z);
+            // Behind the centre of projection there is no place: anywhere.
+            const bool inFront = at.z > 0.0;
+            lo = glm::min(lo, inFront ? glm::dvec2(at) / at.z : glm::dvec2(0.0));
+            hi = glm::max(hi, inFront ? glm::dvec2(at) / at.z : glm::dvec2(1.0));
         }
-        SliceSet slices = 0;
-        if (outside) return slices;
+        if (outside) return drawn;
         // What is nearer than the first boundary by rounding belongs to the first slice.
         for (std::size_t k = 0; k < view.planesM.size(); ++k)
             if (nearM <= view.boundariesM[k + 1] + roundingM(view) &&
                 (k == 0 || farM >= view.boundariesM[k] - roundingM(view)))
-                slices |= SliceSet{1} << k;
-        return slices;
+                drawn.slices |= SliceSet{1} << k;
+        if (drawn.slices != 0) {
+            drawn.uvLo = glm::clamp(lo - kRounding, 0.0, 1.0);
+            drawn.uvHi = glm::clamp(hi + kRounding, 0.0, 1.0);
+        }
+        return drawn;
     };
     constexpr std::size_t kGrain = 4096;
     return tbb::parallel_reduce(
-        tbb::blocked_range<std::size_t>(0, geometry.triangleCount(), kGrain), SliceSet{0},
-        [&](const tbb::blocked_range<std::size_t>& range, SliceSet slices) {
-            for (std::size_t t = range.begin(); t < range.end(); ++t) slices |= ofTriangle(t);
-            return slices;
+        tbb::blocked_range<std::size_t>(0, geometry.triangleCount(), kGrain), DrawnSlices{},
+        [&](const tbb::blocked_range<std::size_t>& range, DrawnSlices all) {
+            for (std::size_t t = range.begin(); t < range.end(); ++t) join(all, ofTriangle(t));
+            return all;
         },
-        std::bit_or<>());
+        [](DrawnSlices all, const DrawnSlices& more) {
+            join(all, more);
+            return all;
+        });
 }
 
 SliceSet slicesBegunBetween(const SliceView& view, double fromM, double toM) {

@@ -5,12 +5,12 @@
 
 namespace penumbra {
 
-DepthPass::DepthPass(bool alphaMask, bool onlyCasting)
+DepthPass::DepthPass(bool alphaMask, MapParts parts)
     : program_(gl::Program::graphics(
           "common/depth_pass.glsl",
           alphaMask ? std::vector<std::string>{"ALPHA_MASK"} : std::vector<std::string>{})),
       alphaMask_(alphaMask),
-      onlyCasting_(onlyCasting) {
+      parts_(parts) {
     GLuint id = 0;
     glCreateFramebuffers(1, &id);
     framebuffer_ = gl::Framebuffer(id);
@@ -55,9 +55,7 @@ void DepthPass::render(const Frame& frame, std::span<const LightView> views, int
     glViewport(0, 0, size, size);
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());
     program_.use();
-    const std::span<const PartFacts> only =
-        onlyCasting_ ? std::span<const PartFacts>(frame.casterFacts.parts)
-                     : std::span<const PartFacts>();
+    const std::vector<PartFacts> only = drawnParts(frame, views[0], size);
     for (int layer = 0; layer < layers; ++layer) {
         glNamedFramebufferTextureLayer(framebuffer_.id(), GL_DEPTH_ATTACHMENT, map_.id(), 0,
                                        firstLayer + layer);
@@ -69,6 +67,23 @@ void DepthPass::render(const Frame& frame, std::span<const LightView> views, int
     }
     glDisable(GL_DEPTH_CLAMP);
     glDisable(GL_DEPTH_TEST);
+}
+
+std::vector<PartFacts> DepthPass::drawnParts(const Frame& frame, const LightView& view,
+                                             int size) const {
+    if (parts_ == MapParts::casting) return frame.casterFacts.parts;
+    if (parts_ == MapParts::all || !comparesInTheWay(frame, view, size, 1)) return {};
+    std::vector<PartFacts> parts = frame.casterFacts.parts;
+    for (PartFacts& part : parts) part.casts = part.inTheWay;
+    return parts;
+}
+
+bool comparesInTheWay(const Frame& frame, const LightView& view, int size, int kernel) {
+    // Rasterisation moves vertices by a 256th of a texel.
+    const double reachTexels = 0.5 * kernel + 0.01;
+    const glm::dvec2 width = view.tiles[0].tangentSize();
+    return view.tiles.size() == 1 &&
+           reachTexels * std::max(width.x, width.y) / size <= frame.casterFacts.besideTangent;
 }
 
 void DepthPass::bind(const gl::Program& program, GLuint unit) const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "core/frame/light_view.hpp"
 #include "core/gl/handles.hpp"
@@ -8,15 +9,30 @@
 
 namespace penumbra {
 
+/// Which parts of a frame a map holds.
+enum class MapParts {
+    all,
+    /// Without those that no comparison can find, where the frame's CasterFacts say so for maps as
+    /// coarse: for maps that receivers are compared with, moved towards the
+    /// light by as many texels as they look aside or more. Floors and walls that shadow nothing are
+    /// the most of what a small map costs.
+    compared,
+    /// Without those that shadow nothing (CasterFacts): for plans without Effect::self_shadow.
+    casting,
+};
+
+/// Whether PartFacts::inTheWay holds for maps of that view and size, where comparisons are with
+/// `kernel` x `kernel` texels.
+bool comparesInTheWay(const Frame& frame, const LightView& view, int size, int kernel);
+
 /// A shadow map of a light view: DEPTH_COMPONENT32F 2D array, one layer per tile, storing
 /// s = nearM / z (see LightView), 0 where no caster is. Both sides of every triangle cast.
 class DepthPass {
   public:
     DepthPass() = default;
-    /// Compiles the program, with or without the alpha test; maps are allocated by render. With
-    /// `onlyCasting` parts that shadow nothing (CasterFacts) are not drawn: for plans without
-    /// Effect::self_shadow.
-    explicit DepthPass(bool alphaMask, bool onlyCasting = false);
+    /// Compiles the program, with or without the alpha test; maps are allocated by render.
+    /// MapParts::compared is for comparisons with one texel.
+    explicit DepthPass(bool alphaMask, MapParts parts = MapParts::all);
 
     /// Renders the casters into `size` x `size` texels per tile. Sets all GL state it needs.
     void render(const Frame& frame, const LightView& view, int size);
@@ -34,12 +50,15 @@ class DepthPass {
 
   private:
     void allocate(int layers, std::size_t tiles, int size, int keptLayers);
+    /// As GpuGeometry::draw has it: the parts whose `casts` is set, or all of none.
+    std::vector<PartFacts> drawnParts(const Frame& frame, const LightView& view, int size) const;
 
     gl::Program program_;
     gl::Texture map_;
     gl::Framebuffer framebuffer_;
     LightView view_;
-    bool alphaMask_ = false, onlyCasting_ = false;
+    bool alphaMask_ = false;
+    MapParts parts_ = MapParts::all;
 };
 
 /// For reading a depth pass's map as a sampler2DArrayShadow: the share, bilinear, of the four

@@ -21,9 +21,10 @@ double marginM(const LightView& view, const LightBounds& bounds, int size) {
 
 }  // namespace
 
-LightMaps::LightMaps(const Plan& plan)
+LightMaps::LightMaps(const Plan& plan, MapParts parts, int kernel)
     : all_(plan.everyPixel),
-      onlyCasting_(!plan.has(Effect::self_shadow)),
+      parts_(parts),
+      kernel_(kernel),
       depth_(plan.has(Effect::alpha_mask)),
       sampleBuffer_(
           gl::Buffer::create(kMaxSamples * sizeof(GpuSample), nullptr, GL_DYNAMIC_STORAGE_BIT)) {}
@@ -36,8 +37,11 @@ void LightMaps::fit(const Frame& frame, int size, bool wholeLight) {
     gpuCasters_.reset();
     if (all_) return;
     const LightView centre = views_.from(glm::dvec2(0.0));
+    const bool onlyInTheWay =
+        parts_ == MapParts::compared && comparesInTheWay(frame, centre, size, kernel_);
     casters_ = std::make_shared<const Geometry>(
-        shadowCasters(frame, {wholeLight, onlyCasting_, marginM(centre, frame.lightBounds, size)}));
+        shadowCasters(frame, {wholeLight, parts_ == MapParts::casting, onlyInTheWay,
+                              marginM(centre, frame.lightBounds, size)}));
     gpuCasters_ = std::make_unique<GpuGeometry>(casters_, frame.gpuGeometry.materials());
 }
 

@@ -23,9 +23,8 @@ class LightMaps {
   public:
     LightMaps() = default;
     /// Compiles for the plan. Unless every pixel is to get all of the work the maps hold just what
-    /// shadowCasters leaves, without the parts that cast nothing where no receiver is near a caster
-    /// (no Effect::self_shadow).
-    explicit LightMaps(const Plan& plan);
+    /// shadowCasters leaves, of `parts`. Lookups are of `kernel` x `kernel` texels at most.
+    LightMaps(const Plan& plan, MapParts parts, int kernel);
 
     /// A new frame: fits its views, for maps of `size` texels across. With `wholeLight` false the
     /// only sample may be the light's centre, and its map is that of the method `hard`.
@@ -72,7 +71,9 @@ class LightMaps {
     void upload();
     void drawDepth(const Frame& frame, std::span<const LightView> views, int before);
 
-    bool all_ = true, onlyCasting_ = false;
+    bool all_ = true;
+    MapParts parts_ = MapParts::all;
+    int kernel_ = 1;
     std::shared_ptr<const Geometry> casters_;
     std::unique_ptr<GpuGeometry> gpuCasters_;
     glm::dvec2 half_{0.0};

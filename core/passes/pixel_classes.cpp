@@ -115,6 +115,12 @@ void PixelClasses::classify(const Frame& frame, const DepthPass& depth,
     classifyUnder(frame, depth, pyramid, biasTexels, box.kernel);
 }
 
+bool PixelClasses::areWorth(const Frame& frame, int mapSize, double lookupsSpared) {
+    constexpr double kLookupsPerTexel = 6.0;
+    const double pixels = static_cast<double>(frame.width()) * frame.height();
+    return lookupsSpared * pixels >= kLookupsPerTexel * mapSize * mapSize;
+}
+
 double PixelClasses::widestWindow(const Frame& frame, const DepthPass& depth, const Box& box) {
     const std::vector<LightTile>& tiles = depth.view().tiles;
     double widest = 0.0;

@@ -81,6 +81,10 @@ class PixelClasses {
         std::array<float, 5> depthPerM{};
         float leastVariance = 0.0f, bleed = 0.0f;
     };
+    /// Whether tiles of a box spare more than they cost, where an answered pixel spares so many
+    /// lookups of the map or of what is made of it: bounding a texel of the map takes as long as
+    /// one or two, classes and answers as much again, and a half of all pixels are answered.
+    static bool areWorth(const Frame& frame, int mapSize, double lookupsSpared);
     /// Windows of the pyramid that are asked for of it, texels: MinMaxPyramid::build.
     static double widestWindow(const Frame& frame, const DepthPass& depth, const Box& box);
     /// The same for Footprint::box.

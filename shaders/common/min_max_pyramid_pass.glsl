@@ -31,14 +31,21 @@ void main() {
 
     vec2 centre = vec2(first) + 0.5 * pyramidBlockTexels - 0.5;
     float maxS = s00, minS = s00, planeS = -1.0;
-    for (int y = first.y; y <= last.y; ++y)
+    for (int y = first.y; y <= last.y; y += 2)
         for (int x = first.x; x <= last.x; x += 8)
-            for (int i = 0; i < 8; ++i) {  // of constant length: unrolled
-                ivec2 texel = ivec2(min(x + i, last.x), y);
-                float s = mapS(texel);
-                maxS = max(maxS, s);
-                minS = min(minS, s);
-                planeS = max(planeS, s - dot(perTexel, vec2(texel) - centre));
+            for (int i = 0; i < 8; i += 2) {  // of constant length: unrolled
+                // Four texels, (0, 1), (1, 1), (1, 0), (0, 0), for little more than one is. At the
+                // map's border the last ones come again.
+                vec2 corner = vec2(min(ivec2(x + i, y), last));
+                vec2 next = min(corner + 1.0, vec2(last)) - centre;
+                vec2 at = corner - centre;
+                vec4 s = textureGather(shadowMap, vec3((corner + 1.0) / float(mapSize), layer));
+                vec2 high = max(s.xy, s.wz), low = min(s.xy, s.wz);
+                maxS = max(maxS, max(high.x, high.y));
+                minS = min(minS, min(low.x, low.y));
+                vec2 column = perTexel.x * vec2(at.x, next.x);
+                vec2 above = max(s.wz - perTexel.y * at.y, s.xy - perTexel.y * next.y) - column;
+                planeS = max(planeS, max(above.x, above.y));
             }
     bounds = packWindow(maxS, minS, gradient, planeS);
 }

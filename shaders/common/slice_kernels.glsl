@@ -54,6 +54,9 @@ Kernel kernelOn(vec3 p, float planeM) {
 #ifdef PREFILTER_SAT
 layout(binding = 4) uniform usampler2DArray counts;  // core/passes/count_table.hpp
 uniform int lanes;
+// Of the slices' texels, the table's first, and its size. Beside it all texels are empty, so that
+// sums are those of its border.
+uniform ivec4 table;
 
 // Where a kernel lies in the table; no kernel is narrower than a texel.
 Kernel within(Kernel kernel) {
@@ -66,13 +69,15 @@ Kernel within(Kernel kernel) {
 float roughly(Kernel kernel, int slice) {
     kernel = within(kernel);
     ivec2 from = ivec2(kernel.lo), to = min(ivec2(ceil(kernel.lo + kernel.size)), ivec2(mapSize));
+    ivec2 extent = to - from;
+    from = clamp(from - table.xy, ivec2(0), table.zw - 1);
+    to = clamp(to - table.xy, ivec2(0), table.zw - 1);
     int plane = lanes == 1 ? slice : slice >> 1;
     uint inside = texelFetch(counts, ivec3(to, plane), 0).r -
                   texelFetch(counts, ivec3(from.x, to.y, plane), 0).r -
                   texelFetch(counts, ivec3(to.x, from.y, plane), 0).r +
                   texelFetch(counts, ivec3(from, plane), 0).r;
     if (lanes == 2) inside = (slice & 1) == 0 ? inside & 0xffffu : inside >> 16;
-    ivec2 extent = to - from;
     return inside == 0u ? 0.0 : inside == uint(extent.x * extent.y) ? 1.0 : 0.5;
 }
 #endif

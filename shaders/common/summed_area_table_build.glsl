@@ -10,6 +10,7 @@
 #define TABLE_IMAGE uimage2DArray
 #define TABLE_FORMAT rgba32ui
 uniform int lanes;  // slices that share a number, 1 or 2 (core/passes/count_table.hpp)
+uniform ivec4 region;  // of the source, first texel and size: what is beside it is left out
 #elif defined(TABLE_UINT)
 #define SUM uvec2
 #define CHANNELS rg
@@ -69,15 +70,16 @@ SUM entry(int i, int line, int layer, vec2 mean) {
 #if defined(SOURCE_BITS)
     // Four or eight slices of 32: a channel's own bit and, 16 bits up, the one after it.
     int first = 4 * lanes * layer;
-    uint bits = texelFetch(source, ivec2(i, line), 0)[first >> 5] >> (first & 31);
+    uint bits = texelFetch(source, region.xy + ivec2(i, line), 0)[first >> 5] >> (first & 31);
     uvec4 of = uvec4(0u, 1u, 2u, 3u) * uint(lanes);
     uvec4 low = (uvec4(bits) >> of) & 1u, high = (uvec4(bits) >> (of + 1u)) & 1u;
     return lanes == 1 ? low : low | high << 16u;
 #elif defined(SOURCE_CHANNELS)
-    uvec4 a = uvec4(round(texelFetch(source, ivec3(i, line, lanes * layer), 0)));
+    ivec2 texel = region.xy + ivec2(i, line);
+    uvec4 a = uvec4(round(texelFetch(source, ivec3(texel, lanes * layer), 0)));
     if (lanes == 1) return a;
     int next = min(2 * layer + 1, textureSize(source, 0).z - 1);
-    uvec4 b = uvec4(round(texelFetch(source, ivec3(i, line, next), 0)));
+    uvec4 b = uvec4(round(texelFetch(source, ivec3(texel, next), 0)));
     return uvec4(a.xz, b.xz) | uvec4(a.yw, b.yw) << 16u;
 #else
     vec2 v = texelFetch(source, ivec3(i, line, layer), 0).rg;

@@ -29,11 +29,11 @@ TestFrame manyDepths() {
 }
 
 std::vector<std::uint32_t> plane(const CountTable& table, int index) {
-    std::vector<std::uint32_t> texels((kSize + 1) * (kSize + 1));
-    glGetTextureSubImage(table.planes().id(), 0, 0, 0, index, kSize + 1, kSize + 1, 1,
-                         GL_RED_INTEGER, GL_UNSIGNED_INT,
-                         static_cast<GLsizei>(texels.size() * sizeof(std::uint32_t)),
-                         texels.data());
+    const int width = table.planes().width(), height = table.planes().height();
+    std::vector<std::uint32_t> texels(static_cast<std::size_t>(width) * height);
+    glGetTextureSubImage(
+        table.planes().id(), 0, 0, 0, index, width, height, 1, GL_RED_INTEGER, GL_UNSIGNED_INT,
+        static_cast<GLsizei>(texels.size() * sizeof(std::uint32_t)), texels.data());
     return texels;
 }
 
@@ -83,6 +83,26 @@ TEST_F(CountTableTest, BoxesHaveWhatTheirTexelsHave) {
                 }
                 EXPECT_GT(seen, 100u) << "the slices are empty: the test could not fail";
             }
+}
+
+TEST_F(CountTableTest, ARegionHasTheSumsOfItsTexels) {
+    const TestFrame frame = manyDepths();
+    SlicePass pass(4, SliceTargets::bits, false);
+    constexpr int kWide = 96;
+    pass.render(*frame, SliceView::fit(*frame, {.slices = 4, .mapSize = kWide}), {}, kWide);
+    CountTable all = CountTable::create(), some = CountTable::create();
+    all.build(pass, 1e9);
+    some.build(pass, 1e9, {{40, 33}, {60, 90}});
+    // In whole blocks of 32 texels.
+    ASSERT_EQ(some.planes().width(), 33);
+    ASSERT_EQ(some.planes().height(), 65);
+    const std::vector<std::uint32_t> whole = plane(all, 1), part = plane(some, 1);
+    const auto at = [&](int x, int y) { return whole[static_cast<std::size_t>(y * 97 + x)]; };
+    for (int y = 0; y <= 64; ++y)
+        for (int x = 0; x <= 32; ++x)
+            ASSERT_EQ(part[static_cast<std::size_t>(y * 33 + x)],
+                      at(32 + x, 32 + y) - at(32, 32 + y) - at(32 + x, 32) + at(32, 32));
+    EXPECT_GT(part.back(), 0u) << "the region is empty: the test could not fail";
 }
 
 TEST_F(CountTableTest, BitsAndChannelsAreTheSameSlices) {

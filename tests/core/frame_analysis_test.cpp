@@ -81,6 +81,14 @@ TEST(FrameAnalysis, ABoxInTheAirCallsForPenumbraeOnly) {
     expectEvidence(analysis, Effect::moving_light, false, "the same in all frames");
 }
 
+TEST(FrameAnalysis, AFloorThatThingsStandOnShadowsNothing) {
+    const FrameAnalysis analysis = analyse(world({{box({-0.3, -0.3, 0}, {0.3, 0.3, 0.5}), 0}}));
+    EXPECT_TRUE(analysis.calledFor().has(Effect::self_shadow));
+    EXPECT_GT(analysis.casterFacts.besideTangent, 0.0);
+    EXPECT_FALSE(analysis.casterFacts.parts[0].inTheWay) << "the floor";
+    EXPECT_TRUE(analysis.casterFacts.parts[1].inTheWay) << "the box";
+}
+
 TEST(FrameAnalysis, WhereNothingLiesBetweenNothingIsCalledFor) {
     // Below the plate, behind the light and beside all rays.
     const FrameAnalysis analysis = analyse(world({{box({-1, -1, -1}, {1, 1, -0.5}), 0},

@@ -156,7 +156,7 @@ TEST_F(LightSampled, OrderOfTheSamplesDoesNotMatter) {
         samples.push_back({{0.16 * (i % 5 - 2), 0.16 * (i / 5 - 2)}, i % 3 == 0 ? 4.0f : 1.0f});
     const gl::Program program =
         gl::Program::graphics("light_sampled.glsl", {"PASS_ALL", "LIGHT_MAPS_PCF"});
-    LightMaps maps{Plan{}};
+    LightMaps maps(Plan{}, MapParts::all, 2);
     maps.fit(*frame, 256);
     const auto image = [&] {
         maps.render(*frame, samples);

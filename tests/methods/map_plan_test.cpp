@@ -163,12 +163,41 @@ World hovering() {
     return {joined({{sheet, 0}, {floor, 0}, {ball, 0}}), lightAbove(2.0, 0.3, 0.2)};
 }
 
+TEST_F(MapPlan, ComparisonsLeaveOutWhatNoneOfThemFinds) {
+    const World world = hovering();
+    const TestFrame made(
+        world, planeGBuffer(96, 96, {-0.9, -0.9, 0.0}, {1.8, 0, 0}, {0, 1.8, 0}, world.light));
+    Frame frame = *made;
+    frame.casterFacts.parts[1].inTheWay = false;
+    for (const auto& [id, plan] : {std::pair{"hard", "self_shadow"},
+                                   {"light_sampled", "penumbra,self_shadow"},
+                                   {"adaptive_light_sampled", "penumbra,self_shadow"}}) {
+        SCOPED_TRACE(id);
+        const auto counted = [&](double besideTangent, const Assignments& assignments) {
+            frame.casterFacts.besideTangent = besideTangent;
+            return renderCounted(frame, id, assignments, EffectChoice::parse(plan));
+        };
+        // Half a texel of a map of 64 is less than 0.02, of one of 16 more. The floor is two
+        // triangles of every map.
+        const Counted all = counted(0.0, {}), some = counted(0.02, {});
+        EXPECT_EQ(all.work.triangles - some.work.triangles,
+                  2u * static_cast<unsigned>(some.counters.maps));
+        EXPECT_EQ(greatestDifference(made, some.image, all.image), 0.0);
+        // Less bias than texels look aside, or texels wider than what was looked at.
+        for (const Assignments& assignments :
+             {Assignments{{"bias", "0.4"}}, Assignments{{"map_size", "16"}}})
+            EXPECT_EQ(counted(0.02, assignments).work.triangles,
+                      counted(0.0, assignments).work.triangles);
+    }
+}
+
 TEST_F(MapPlan, WithoutSelfShadowOnlyCastersAreDrawnAndNothingIsBiased) {
     const World world = hovering();
     const TestFrame made(
         world, planeGBuffer(96, 96, {-0.9, -0.9, 0.0}, {1.8, 0, 0}, {0, 1.8, 0}, world.light));
     Frame frame = *made;
     frame.casterFacts.parts[1].casts = false;
+    frame.casterFacts.besideTangent = 0.0;  // what comparisons leave out is another test's
     struct Plans {
         std::string id, with, without;
     };
