@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/error.hpp"
+#include "core/file/atomic_file.hpp"
 #include "harness/run/files.hpp"
 #include "harness/run/row.hpp"
 
@@ -31,7 +32,7 @@ void requireSameRun(const RunFolder& folder, const RunRecord& before, const RunR
 void removeTornFiles(const std::filesystem::path& folder) {
     std::vector<std::filesystem::path> torn;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
-        if (entry.path().extension() == ".tmp") torn.push_back(entry.path());
+        if (isTemporaryFile(entry.path())) torn.push_back(entry.path());
     for (const auto& path : torn) std::filesystem::remove(path);
 }
 

@@ -72,7 +72,8 @@ TEST_F(Resume, ARunCutOffAnywhereEndsLikeAWholeOne) {
             if (std::ranges::find(left, r.key(), &Row::key) == left.end())
                 std::filesystem::remove(
                     RunFolder(path("cut")).setting(r.scene, r.frame, r.setting));
-        for (const char* name : {"run.json.1.tmp", "images/still/0000/hard.exr.1.0.tmp"})
+        for (const char* name :
+             {"run.json.0011223344556677.tmp", "images/still/0000/hard.exr.8899aabbccddeeff.tmp"})
             std::ofstream(path("cut") / name) << "cut off while it was being written";
         RunRecord unfinished = record("cut");
         unfinished.finished = false;
@@ -83,7 +84,7 @@ TEST_F(Resume, ARunCutOffAnywhereEndsLikeAWholeOne) {
         EXPECT_EQ(test::untimedRows(path("cut")), test::untimedRows(path("whole")))
             << "after " << whole << " lines";
         test::expectSameFiles(path("cut") / "images", path("whole") / "images");
-        EXPECT_FALSE(std::filesystem::exists(path("cut") / "run.json.1.tmp"));
+        EXPECT_FALSE(std::filesystem::exists(path("cut") / "run.json.0011223344556677.tmp"));
     }
 }
 
@@ -125,7 +126,8 @@ TEST_F(Resume, AFinishedRunIsLeftAsItIs) {
     o.resume = true;
     ASSERT_EQ(compare(o), 0);
     auto after = test::filesBelow(path("run"));
-    for (const char* timed : {"run.json", "summary.md", "report.html"}) after[timed] = before.at(timed);
+    for (const char* timed : {"run.json", "summary.md", "report.html"})
+        after[timed] = before.at(timed);
     EXPECT_TRUE(after == before);
     EXPECT_EQ(record("run").references.size(), 1u) << "what tracing cost is not forgotten";
 }
