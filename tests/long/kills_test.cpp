@@ -28,7 +28,7 @@ class Kills : public ::testing::Test {
             {"compare",   "--out", into.string(), "--cache",    references.string(), "--resume",
              "--size",    "48x48", "--repeats",   "1",          "--reference-se",    "0.05",
              "--threads", "2",     "--scene",     "half_plane", "spinner",           "--method",
-             "hard",      "pcf",   "vsm",         "separation"});
+             "hard",      "pcf",   "separation"});
     }
     /// Runs the whole of it; how long the folder and all of it took.
     void measure() {
