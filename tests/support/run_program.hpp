@@ -84,6 +84,11 @@ class Program {
 
     void kill() const { signal(SIGKILL); }
     void signal(int number) const { ::kill(pid_, number); }
+    bool runs() const {
+        siginfo_t ended{};
+        return waitid(P_PID, static_cast<id_t>(pid_), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+               ended.si_pid == 0;
+    }
     /// What it said on standard error up to now.
     std::string errorsSoFar() const { return readText(err_); }
     Finished wait() {
