@@ -151,7 +151,7 @@ class AdaptiveLightSampled : public ShadowMethod {
                 collected.emplace_back("COLLECTED");
                 differCollected_ = comparison(collected);
             }
-            if (space_.is("light")) centreMap_ = DepthPass(plan.has(Effect::alpha_mask));
+            if (space_.is("light")) centreMap_ = DepthPass(plan);
         }
         if (shadedFromBits())
             shadeBits_ = evaluation("adaptive_light_sampled.glsl", {"PASS_SHADE_BITS"});

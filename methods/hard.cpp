@@ -31,7 +31,7 @@ class Hard : public ShadowMethod {
     }
 
     void prepare(const Scene&, const Plan& plan) override {
-        depth_ = DepthPass(plan.has(Effect::alpha_mask), bias_.compared(plan, 1));
+        depth_ = DepthPass(plan, bias_.compared(plan, 1));
         program_ = gl::Program::graphics("hard.glsl", MapBias::defines(plan));
     }
 

@@ -132,7 +132,7 @@ class OcclusionTextures : public ShadowMethod {
 
     void prepare(const Scene& scene, const Plan& plan) override {
         const bool alphaMask = plan.has(Effect::alpha_mask);
-        depth_ = DepthPass(alphaMask);
+        depth_ = DepthPass(plan);
         hard_ = gl::Program::graphics("occlusion_textures.glsl", {"PASS_HARD"});
         if (!plan.has(Effect::penumbra)) return;
         slicePass_ = SlicePass(

@@ -66,7 +66,7 @@ class Pcf : public ShadowMethod {
     }
 
     void prepare(const Scene&, const Plan& plan) override {
-        depth_ = DepthPass(plan.has(Effect::alpha_mask), MapBias::filtered(plan));
+        depth_ = DepthPass(plan, MapBias::filtered(plan));
         if (!plan.has(Effect::penumbra)) return compilePoint(plan);
         std::vector<std::string> defines = MapBias::defines(plan);
         if (compare_.is("hardware")) defines.emplace_back("COMPARE_HARDWARE");

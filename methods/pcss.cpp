@@ -82,7 +82,7 @@ class Pcss : public ShadowMethod {
     }
 
     void prepare(const Scene&, const Plan& plan) override {
-        depth_ = DepthPass(plan.has(Effect::alpha_mask), MapBias::filtered(plan));
+        depth_ = DepthPass(plan, MapBias::filtered(plan));
         if (!plan.has(Effect::penumbra)) return compileHard(plan);
         if (!pyramid_.is("off")) minMax_ = MinMaxPyramid::create();
         std::vector<std::string> defines = MapBias::defines(

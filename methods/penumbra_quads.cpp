@@ -102,7 +102,7 @@ class PenumbraQuads : public ShadowMethod {
             throw Unsupported(
                 "casters are cut out by their textures' alpha: such outlines have no edges to grow "
                 "quads from");
-        depth_ = DepthPass(false);
+        depth_ = DepthPass(plan);
         hard_ = gl::Program::graphics("hard.glsl");
         if (!plan.has(Effect::penumbra)) return;
         second_ = gl::Program::graphics("penumbra_quads.glsl", {"PASS_SECOND"});

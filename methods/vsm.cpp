@@ -120,7 +120,8 @@ class Vsm : public ShadowMethod {
     }
 
     void prepare(const Scene&, const Plan& plan) override {
-        depth_ = DepthPass(plan.has(Effect::alpha_mask), MapBias::filtered(mapPlan(plan)));
+        depth_ = DepthPass(plan, MapBias::filtered(mapPlan(plan)),
+                           plan.has(Effect::penumbra) ? MapSides::both : MapSides::facing);
         if (!plan.has(Effect::penumbra)) return compileHard(plan);
         layerPass_ = LayerPass::create();
         std::vector<std::string> format;

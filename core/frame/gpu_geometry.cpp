@@ -111,27 +111,35 @@ GpuGeometry::GpuGeometry(std::shared_ptr<const Geometry> geometry, const GpuMate
 }
 
 void GpuGeometry::drawParts(std::size_t first, std::size_t end, int instances,
-                            std::span<const PartFacts> only) const {
-    const auto drawn = [&](std::size_t i) { return only.empty() || only[parts_[i].part].casts; };
-    while (first < end) {
-        std::size_t last = first;
+                            std::span<const PartDraw> how) const {
+    const auto howOf = [&](std::size_t i) {
+        return how.empty() ? PartDraw{} : how[parts_[i].part];
+    };
+    for (std::size_t last = first; first < end; first = last) {
+        const PartDraw part = howOf(first);
         std::uint32_t indexCount = 0;
-        for (; last < end && drawn(last); ++last) indexCount += parts_[last].indexCount;
+        for (; last < end && howOf(last) == part; ++last) indexCount += parts_[last].indexCount;
+        if (!part.drawn || indexCount == 0) continue;
+        if (part.culled == GL_NONE) {
+            glDisable(GL_CULL_FACE);
+        } else {
+            glEnable(GL_CULL_FACE);
+            glCullFace(part.culled);
+        }
         const auto offset =
             static_cast<std::uintptr_t>(parts_[first].firstIndex) * sizeof(std::uint32_t);
-        if (indexCount > 0)
-            glDrawElementsInstanced(GL_TRIANGLES, static_cast<GLsizei>(indexCount), GL_UNSIGNED_INT,
-                                    reinterpret_cast<const void*>(offset), instances);
-        first = last + 1;
+        glDrawElementsInstanced(GL_TRIANGLES, static_cast<GLsizei>(indexCount), GL_UNSIGNED_INT,
+                                reinterpret_cast<const void*>(offset), instances);
     }
+    glDisable(GL_CULL_FACE);
 }
 
 void GpuGeometry::draw(GLuint program, bool alphaMask, int instances,
-                       std::span<const PartFacts> only) const {
+                       std::span<const PartDraw> how) const {
     glBindVertexArray(vertexArray_.id());
     if (!alphaMask) {
         setAlphaUniforms(program, nullptr);
-        drawParts(0, parts_.size(), instances, only);
+        drawParts(0, parts_.size(), instances, how);
     } else {
         for (const Batch& batch : batches_) {
             const Material* masked =
@@ -140,7 +148,7 @@ void GpuGeometry::draw(GLuint program, bool alphaMask, int instances,
                     : &materials_->materials()[static_cast<std::size_t>(batch.material)];
             setAlphaUniforms(program, masked);
             if (masked) materials_->bind(batch.material, 0);
-            drawParts(batch.firstPart, batch.endPart, instances, only);
+            drawParts(batch.firstPart, batch.endPart, instances, how);
         }
     }
     glBindVertexArray(0);

@@ -4,7 +4,6 @@
 #include <span>
 #include <vector>
 
-#include "core/frame/caster_facts.hpp"
 #include "core/gl/handles.hpp"
 #include "core/scene/geometry.hpp"
 #include "core/scene/material.hpp"
@@ -25,6 +24,13 @@ class GpuMaterials {
     gl::Texture white_;
 };
 
+/// How a Part is drawn.
+struct PartDraw {
+    bool drawn = true;
+    GLenum culled = GL_NONE;  ///< GL_FRONT or GL_BACK: faces left out; front runs counterclockwise
+    bool operator==(const PartDraw&) const = default;
+};
+
 /// One frame's triangles on the GPU: attribute 0 position (vec3), 1 texture coordinates (vec2),
 /// 2 shading normal (vec3); 32-bit indices.
 class GpuGeometry {
@@ -36,10 +42,10 @@ class GpuGeometry {
     /// Draws every triangle with the program in use, `instances` times: all opaque parts in one
     /// call, then one call per alpha-masked material with its texture on unit 0 and the uniforms
     /// `alphaMasked`, `alphaCutoff` and `alphaFactor` of shaders/common/alpha.glsl set. With
-    /// `alphaMask` false every part is drawn as opaque. With `only`, the facts of each Part of the
-    /// geometry, just those that cast are drawn, neighbours among them in one call.
+    /// `alphaMask` false every part is drawn as opaque. With `how`, of each Part of the geometry,
+    /// neighbours that are drawn alike are in one call.
     void draw(GLuint program, bool alphaMask, int instances = 1,
-              std::span<const PartFacts> only = {}) const;
+              std::span<const PartDraw> how = {}) const;
 
   private:
     struct Batch {
@@ -51,7 +57,7 @@ class GpuGeometry {
         std::uint32_t firstIndex, indexCount;
     };
     void drawParts(std::size_t first, std::size_t end, int instances,
-                   std::span<const PartFacts> only) const;
+                   std::span<const PartDraw> how) const;
 
     std::shared_ptr<const Geometry> geometry_;
     const GpuMaterials* materials_;

@@ -5,12 +5,13 @@
 
 namespace penumbra {
 
-DepthPass::DepthPass(bool alphaMask, MapParts parts)
-    : program_(gl::Program::graphics(
-          "common/depth_pass.glsl",
-          alphaMask ? std::vector<std::string>{"ALPHA_MASK"} : std::vector<std::string>{})),
-      alphaMask_(alphaMask),
-      parts_(parts) {
+DepthPass::DepthPass(const Plan& plan, MapParts parts, MapSides sides)
+    : alphaMask_(plan.has(Effect::alpha_mask)),
+      parts_(parts),
+      sides_(plan.everyPixel ? MapSides::both : sides) {
+    program_ = gl::Program::graphics(
+        "common/depth_pass.glsl",
+        alphaMask_ ? std::vector<std::string>{"ALPHA_MASK"} : std::vector<std::string>{});
     GLuint id = 0;
     glCreateFramebuffers(1, &id);
     framebuffer_ = gl::Framebuffer(id);
@@ -48,34 +49,46 @@ void DepthPass::render(const Frame& frame, std::span<const LightView> views, int
     glDepthFunc(GL_GREATER);
     glDepthMask(GL_TRUE);
     glEnable(GL_DEPTH_CLAMP);
-    glDisable(GL_CULL_FACE);
+    glFrontFace(GL_CCW);
     glDisable(GL_BLEND);
     glDisable(GL_POLYGON_OFFSET_FILL);
     glDisable(GL_SCISSOR_TEST);
     glViewport(0, 0, size, size);
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());
     program_.use();
-    const std::vector<PartFacts> only = drawnParts(frame, views[0], size);
     for (int layer = 0; layer < layers; ++layer) {
         glNamedFramebufferTextureLayer(framebuffer_.id(), GL_DEPTH_ATTACHMENT, map_.id(), 0,
                                        firstLayer + layer);
         constexpr float kNothing = 0.0f;
         glClearNamedFramebufferfv(framebuffer_.id(), GL_DEPTH, 0, &kNothing);
         const auto index = static_cast<std::size_t>(layer);
-        program_.set("clipFromWorld", views[index / tiles].clipFromWorld(index % tiles));
-        frame.gpuGeometry.draw(program_.id(), alphaMask_, 1, only);
+        const LightView& view = views[index / tiles];
+        program_.set("clipFromWorld", view.clipFromWorld(index % tiles));
+        frame.gpuGeometry.draw(program_.id(), alphaMask_, 1,
+                               howDrawn(frame, view, index % tiles, size));
     }
     glDisable(GL_DEPTH_CLAMP);
     glDisable(GL_DEPTH_TEST);
 }
 
-std::vector<PartFacts> DepthPass::drawnParts(const Frame& frame, const LightView& view,
-                                             int size) const {
-    if (parts_ == MapParts::casting) return frame.casterFacts.parts;
-    if (parts_ == MapParts::all || !comparesInTheWay(frame, view, size, 1)) return {};
-    std::vector<PartFacts> parts = frame.casterFacts.parts;
-    for (PartFacts& part : parts) part.casts = part.inTheWay;
-    return parts;
+std::vector<PartDraw> DepthPass::howDrawn(const Frame& frame, const LightView& view,
+                                          std::size_t tile, int size) const {
+    const LightTile& t = view.tiles[tile];
+    // In a right-handed frame what runs counterclockwise for the light runs clockwise in its map.
+    const double handed = glm::dot(glm::cross(t.axisX, t.axisY), t.axisZ);
+    const bool compared = parts_ == MapParts::compared && comparesInTheWay(frame, view, size, 1);
+    std::vector<PartDraw> how;
+    how.reserve(frame.casterFacts.parts.size());
+    for (const PartFacts& part : frame.casterFacts.parts) {
+        PartDraw& drawn = how.emplace_back();
+        if (parts_ == MapParts::casting) drawn.drawn = part.casts;
+        if (compared) drawn.drawn = part.inTheWay;
+        const bool outside = glm::any(glm::greaterThan(view.centre, part.bodies.hi)) ||
+                             glm::any(glm::lessThan(view.centre, part.bodies.lo));
+        if (part.outward != 0 && outside && sides_ == MapSides::facing)
+            drawn.culled = (handed < 0.0) == (part.outward > 0) ? GL_BACK : GL_FRONT;
+    }
+    return how;
 }
 
 bool comparesInTheWay(const Frame& frame, const LightView& view, int size, int kernel) {

@@ -3,6 +3,8 @@
 #include <span>
 #include <vector>
 
+#include "core/effects/effects.hpp"
+#include "core/frame/gpu_geometry.hpp"
 #include "core/frame/light_view.hpp"
 #include "core/gl/handles.hpp"
 #include "core/gl/program.hpp"
@@ -21,18 +23,30 @@ enum class MapParts {
     casting,
 };
 
+/// Which sides of closed bodies a map holds.
+enum class MapSides {
+    /// Those that are turned to the light's centre: along any ray from outside of a body they are
+    /// met first. Single texels at outlines may be as far off as rasterisation puts a face that it
+    /// sees edge-on, 1e-4 of their depth: far less than a texel of bias.
+    facing,
+    both,  ///< for maps of which more than comparisons is made
+};
+
 /// Whether PartFacts::inTheWay holds for maps of that view and size, where comparisons are with
 /// `kernel` x `kernel` texels.
 bool comparesInTheWay(const Frame& frame, const LightView& view, int size, int kernel);
 
 /// A shadow map of a light view: DEPTH_COMPONENT32F 2D array, one layer per tile, storing
-/// s = nearM / z (see LightView), 0 where no caster is. Both sides of every triangle cast.
+/// s = nearM / z (see LightView), 0 where no caster is. Both sides of every triangle cast, but for
+/// MapSides::facing of bodies known to be closed (PartFacts::outward) that the light's centre is
+/// outside of.
 class DepthPass {
   public:
     DepthPass() = default;
-    /// Compiles the program, with or without the alpha test; maps are allocated by render.
-    /// MapParts::compared is for comparisons with one texel.
-    explicit DepthPass(bool alphaMask, MapParts parts = MapParts::all);
+    /// Compiles the program, with the alpha test if the plan has it; maps are allocated by render.
+    /// MapParts::compared is for comparisons with one texel. A plan of every pixel has both sides.
+    explicit DepthPass(const Plan& plan, MapParts parts = MapParts::all,
+                       MapSides sides = MapSides::facing);
 
     /// Renders the casters into `size` x `size` texels per tile. Sets all GL state it needs.
     void render(const Frame& frame, const LightView& view, int size);
@@ -50,8 +64,8 @@ class DepthPass {
 
   private:
     void allocate(int layers, std::size_t tiles, int size, int keptLayers);
-    /// As GpuGeometry::draw has it: the parts whose `casts` is set, or all of none.
-    std::vector<PartFacts> drawnParts(const Frame& frame, const LightView& view, int size) const;
+    std::vector<PartDraw> howDrawn(const Frame& frame, const LightView& view, std::size_t tile,
+                                   int size) const;
 
     gl::Program program_;
     gl::Texture map_;
@@ -59,6 +73,7 @@ class DepthPass {
     LightView view_;
     bool alphaMask_ = false;
     MapParts parts_ = MapParts::all;
+    MapSides sides_ = MapSides::both;
 };
 
 /// For reading a depth pass's map as a sampler2DArrayShadow: the share, bilinear, of the four

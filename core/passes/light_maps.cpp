@@ -25,7 +25,7 @@ LightMaps::LightMaps(const Plan& plan, MapParts parts, int kernel)
     : all_(plan.everyPixel),
       parts_(parts),
       kernel_(kernel),
-      depth_(plan.has(Effect::alpha_mask)),
+      depth_(plan),
       sampleBuffer_(
           gl::Buffer::create(kMaxSamples * sizeof(GpuSample), nullptr, GL_DYNAMIC_STORAGE_BIT)) {}
 

@@ -27,7 +27,7 @@ void overBareMaps(benchmark::State& state, const std::string& id, const Assignme
     all.insert(all.end(), settings.begin(), settings.end());
     const auto [method, plan] = stage.act("light_sampled", all);
 
-    DepthPass depth(plan.has(Effect::alpha_mask)), maps(plan.has(Effect::alpha_mask));
+    DepthPass depth(plan), maps(plan);
     const LightView view = LightView::fit(stage.frame, glm::dvec2(0.0), kMapSize);
     maps.render(stage.frame, std::vector<LightView>(static_cast<std::size_t>(count), view),
                 kMapSize);

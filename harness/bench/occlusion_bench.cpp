@@ -104,7 +104,7 @@ void triangles(benchmark::State& state, const std::string& id) {
     needContext();
     const Stage stage(id, kPixels);
     Prepared method(stage, "occlusion_textures", {});
-    DepthPass depth(false);
+    DepthPass depth(Plan{});
     const LightView view = LightView::fit(stage.frame, glm::dvec2(0.0), kMapSize);
     double buildMs = 1e9, depthMs = 1e9;
     for (auto _ : state) {

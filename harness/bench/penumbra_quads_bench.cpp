@@ -59,7 +59,7 @@ void besideTwoMaps(benchmark::State& state, const std::string& id) {
     const Stage stage(id, kPixels);
     const auto mapSize = static_cast<int>(state.range(0));
     Stage::Act quads = stage.act("penumbra_quads", {{"map_size", std::to_string(mapSize)}});
-    DepthPass depth(false);
+    DepthPass depth(Plan{});
     const LightView view = LightView::fit(stage.frame, glm::dvec2(0.0), mapSize);
     double mapsMs = HUGE_VAL, buildMs = HUGE_VAL;
     for (auto _ : state) {

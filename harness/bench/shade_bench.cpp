@@ -104,7 +104,7 @@ void overBareShader(benchmark::State& state, const std::string& id, const Case& 
     const AreaLight& light = stage.frame.light;
     const glm::dvec2 lightHalfM(light.halfU, light.halfV);
     const double widest = std::min(c.widest, bounds.receiverFarM / bounds.casterNearM - 1.0);
-    DepthPass maps(plan.has(Effect::alpha_mask));
+    DepthPass maps(plan);
     maps.render(stage.frame,
                 std::vector<LightView>(c.fetch == Fetch::layers ? c.side : 1,
                                        LightView::fit(stage.frame, widest * lightHalfM, mapSize)),

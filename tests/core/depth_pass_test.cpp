@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
+#include "core/gl/work_counter.hpp"
 #include "tests/support/gl_fixture.hpp"
 #include "tests/support/test_scene.hpp"
 
@@ -37,7 +40,7 @@ LightView downwards(double nearM) {
 
 std::vector<float> rendered(const Shape& shape, const LightView& view) {
     const TestFrame frame = casters(shape);
-    DepthPass pass(false);
+    DepthPass pass(Plan{});
     pass.render(*frame, view, kMapSize);
     return read(pass);
 }
@@ -108,6 +111,45 @@ TEST_F(DepthPassTest, TrianglesThroughTheLightsPlaneAreCutThere) {
         }
 }
 
+TEST_F(DepthPassTest, ClosedBodiesAreDrawnWithoutTheSidesTurnedAway) {
+    const AreaLight light = lightAbove(0.0, 0.0, 0.0);
+    LightView view;
+    for (std::size_t side = 0; side < 5; ++side) {
+        const auto [x, y, z] = lightSideAxes(light, side);
+        view.tiles.push_back({x, y, z});
+    }
+    const auto draw = [&](const TestFrame& frame, bool everyPixel) {
+        DepthPass pass(Plan{.everyPixel = everyPixel});
+        gl::WorkCounter counter;
+        pass.render(*frame, view, kMapSize);
+        const std::uint64_t fragments = counter.stop().fragments;
+        return std::pair(read(pass), fragments);
+    };
+    for (const bool insideOut : {false, true}) {
+        std::uint64_t fewer = 0, all = 0;
+        for (const LightTile& tile : view.tiles) {
+            Shape box;
+            box.box(2.0 * tile.axisZ - 0.5, 2.0 * tile.axisZ + 0.5);
+            Geometry geometry = *box.geometry();
+            if (insideOut) std::ranges::reverse(geometry.indices);
+            const TestFrame frame({std::make_shared<const Geometry>(geometry), light},
+                                  planeGBuffer(1, 1, {0, 0, -3}, {0.1, 0, 0}, {0, 0.1, 0}, light));
+            ASSERT_EQ(frame->casterFacts.parts[0].outward, insideOut ? -1 : 1);
+            const auto [some, someFragments] = draw(frame, false);
+            const auto [whole, wholeFragments] = draw(frame, true);
+            EXPECT_EQ(some, whole);
+            fewer += someFragments;
+            all += wholeFragments;
+        }
+        // Sides that are drawn later than those before them are hidden already.
+        EXPECT_LT(fewer, all);
+    }
+    Shape around;
+    around.box({-1, -1, -1}, {1, 1, 1});
+    const TestFrame frame = casters(around);
+    EXPECT_EQ(draw(frame, false), draw(frame, true)) << "the light is inside";
+}
+
 TEST_F(DepthPassTest, EveryTileHasItsLayerAndMapsFollowTheirSize) {
     Shape shape;
     shape.rectangle({-9, -9}, {9, 9}, -2.0);
@@ -115,7 +157,7 @@ TEST_F(DepthPassTest, EveryTileHasItsLayerAndMapsFollowTheirSize) {
     const TestFrame frame = casters(shape);
     LightView both = downwards(0.5);
     both.tiles.push_back({{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-1, -1}, {1, 1}, 1.0});
-    DepthPass pass(false);
+    DepthPass pass(Plan{});
     pass.render(*frame, both, kMapSize);
     EXPECT_EQ(pass.texels(), 2.0 * kMapSize * kMapSize);
     const std::vector<float> map = read(pass);

@@ -28,7 +28,7 @@ class Bounded {
         const AreaLight light = lightAbove(0.0, 0.0, 0.0);
         const TestFrame frame({shape.geometry(), light},
                               planeGBuffer(1, 1, {0, 0, -1}, {0.1, 0, 0}, {0, 0.1, 0}, light));
-        DepthPass depth(false);
+        DepthPass depth(Plan{});
         depth.render(*frame, view, mapSize);
         map_.resize(static_cast<std::size_t>(depth.texels()));
         glGetTextureImage(depth.map().id(), 0, GL_DEPTH_COMPONENT, GL_FLOAT,

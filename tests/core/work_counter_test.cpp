@@ -67,7 +67,7 @@ TEST_F(WorkCounterTest, CountsADepthPassPerTile) {
         const auto [x, y, z] = lightSideAxes(light, side);
         view.tiles.push_back({x, y, z});
     }
-    DepthPass pass(false);
+    DepthPass pass(Plan{});
     gl::WorkCounter counter;
     pass.render(*frame, view, 64);
     const gl::Work work = counter.stop();

@@ -22,7 +22,7 @@ struct Classes {
 
     Classes(const TestFrame& frame, PixelClasses::Dark dark,
             const PixelClasses::Kernel& kernel = {}, int mapSize = 1024) {
-        DepthPass depth(false);
+        DepthPass depth(Plan{});
         const glm::dvec2 guardM(2.0 * frame->light.halfU, 2.0 * frame->light.halfV);
         depth.render(*frame, LightView::fit(*frame, guardM, mapSize), mapSize);
         MinMaxPyramid pyramid = MinMaxPyramid::create();

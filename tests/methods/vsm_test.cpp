@@ -120,7 +120,7 @@ struct DepthMap {
 
     DepthMap(const TestFrame& frame, double widest, int mapSize) : size(mapSize) {
         const AreaLight& light = frame->light;
-        DepthPass pass(false);
+        DepthPass pass(Plan{});
         pass.render(*frame,
                     LightView::fit(*frame, widest * glm::dvec2(light.halfU, light.halfV), mapSize),
                     mapSize);
