@@ -1,6 +1,7 @@
 """A real headless Chromium for tests of pages, and for pictures of them."""
 
 import shutil
+import socket
 import sys
 import tempfile
 import time
@@ -12,6 +13,12 @@ SKIPPED = 77  # what ctest takes for a skipped test
 def skip_without_chromium():
     if CHROMIUM is None:
         print("skipped: chromium is not installed (Debian packages chromium and chromium-driver)")
+        sys.exit(SKIPPED)
+    try:
+        socket.gethostbyname("localhost")
+    except socket.gaierror:
+        print("skipped: nothing here knows `localhost`, by which chromedriver finds Chromium (as in a bare chroot "
+              "without /etc/hosts)")
         sys.exit(SKIPPED)
 
 

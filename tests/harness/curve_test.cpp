@@ -63,7 +63,7 @@ void expectLabelsApart(const PlotLayout& layout) {
     }
 }
 
-TEST(Curve, OneLinePerMethodThroughItsOwnFront) {
+TEST(CurvePlot, OneLinePerMethodThroughItsOwnFront) {
     const Plot plot = plotOf(smallStudy());
     ASSERT_EQ(plot.series.size(), 3u);
     const PlotSeries& a = plot.series[0];
@@ -79,7 +79,7 @@ TEST(Curve, OneLinePerMethodThroughItsOwnFront) {
     EXPECT_EQ(plot.yLabel, "rmse");
 }
 
-TEST(Curve, AMethodThatLacksFramesSaysSo) {
+TEST(CurvePlot, AMethodThatLacksFramesSaysSo) {
     CostStudy study = smallStudy();
     study.scene = kWholeSuite;
     study.frames = 3;
@@ -95,7 +95,7 @@ TEST(Curve, AMethodThatLacksFramesSaysSo) {
     EXPECT_EQ(plot.band.size(), 2u) << "of c nothing is comparable with the others";
 }
 
-TEST(Curve, MethodsLookTheSameInEveryStudy) {
+TEST(CurvePlot, MethodsLookTheSameInEveryStudy) {
     CostStudy other = smallStudy();
     other.points = {point("c", 0.1, 1), point("hard", 0.1, 2)};
     const auto styles = methodStyles({smallStudy(), other});
