@@ -22,10 +22,10 @@
 // receivers beyond 70 degrees no single light view: both are refused. Meshes that are not closed
 // two-manifolds are drawn as EdgeAdjacency says, their defects counted in the row's message.
 //
-// Of a plan only penumbra and alpha_mask matter: the second and the inner map hold the inner half
-// of every penumbra, of one layer, too; the maps must have all parts, also those that shadow
-// nothing, for quads are stretched to the surfaces they fall upon; and a pixel is four gathers,
-// which a test of its tile would cost as well.
+// Of a plan only penumbra and thin_casters, whose first map has both sides, matter: the second and
+// the inner map hold the inner half of every penumbra, of one layer, too; the maps must have all
+// parts, also those that shadow nothing, for quads are stretched to the surfaces they fall upon;
+// and a pixel is four gathers, which a test of its tile would cost as well.
 
 #include <fmt/format.h>
 
