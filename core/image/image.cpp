@@ -13,8 +13,9 @@
 
 #include "core/error.hpp"
 #include "core/file/atomic_file.hpp"
-#include "core/image/image_channel.hpp"
+#include "core/image/image_channels.hpp"
 #include "core/image/srgb.hpp"
+#include "core/image/zipped_exr.hpp"
 
 namespace penumbra {
 namespace {
@@ -206,18 +207,18 @@ Image readImage(const std::filesystem::path& path) {
     return image;
 }
 
-ImageChannel readChannel(const std::filesystem::path& path, const std::string& name) {
-    const auto input = openImage(path);
-    const OIIO::ImageSpec& spec = input->spec();
-    const int channel = spec.channelindex(name);
-    if (channel < 0)
-        refuse(path,
-               fmt::format("no channel '{}'; it has {}", name, fmt::join(spec.channelnames, ", ")));
-    ImageChannel image{spec.width, spec.height, {}};
-    image.values.resize(spec.image_pixels());
-    if (!input->read_image(0, 0, channel, channel + 1, OIIO::TypeDesc::FLOAT, image.values.data()))
-        refuse(path, input->geterror());
-    return image;
+ImageChannels readChannels(const std::filesystem::path& path,
+                           const std::vector<std::string>& names) {
+    if (auto zipped = readZippedChannels(path, names)) return std::move(*zipped);
+    const Image image = readImage(path);
+    ImageChannels channels{image.width, image.height, {}};
+    for (const std::string& name : names) {
+        if (std::ranges::find(image.channels, name) == image.channels.end())
+            refuse(path, fmt::format("no channel '{}'; it has {}", name,
+                                     fmt::join(image.channels, ", ")));
+        channels.values.push_back(image.channel(name));
+    }
+    return channels;
 }
 
 }  // namespace penumbra

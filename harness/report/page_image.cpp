@@ -15,8 +15,8 @@
 namespace penumbra {
 namespace {
 
-/// Takes a quarter of the time of level 9 for 3 % more bytes.
-constexpr int kDeflateLevel = 5;
+/// A ladder's report is written half a second sooner than at level 5, with 2 % more bytes.
+constexpr int kDeflateLevel = 3;
 /// Of visibility: 0.2 bytes each in base64, of the standard suite and of its ladder at every other
 /// pixel.
 constexpr double kMostPixels = 96e6;
@@ -51,6 +51,7 @@ class Sampler {
     template <class Value>
     std::string packed(Value value) const {
         Plane plane;
+        plane.reserve(gbuffer_.size() / static_cast<std::size_t>(stride_));
         for (int y = 0; y < gbuffer_.height; y += stride_)
             for (int x = 0; x < gbuffer_.width; x += stride_)
                 plane.push_back(static_cast<std::uint16_t>(

@@ -113,11 +113,12 @@ void writeCurves(const RunFolder& folder, const RunRecord& record, const std::ve
     std::filesystem::create_directories(folder.curve("").parent_path());
     writeFileAtomically(folder.pareto(), paretoCsv(studies, record.curveMetric));
     const std::map<std::string, int> styles = methodStyles(studies);
-    for (const CostStudy& study : studies) {
-        const Plot plot = curvePlot(study, record.curveMetric, styles);
-        writeFileAtomically(folder.curve(study.scene).concat(".svg"), plotSvg(plot));
-        writeFileAtomically(folder.curve(study.scene).concat(".png"), plotPng(plot));
-    }
+    tbb::parallel_for(std::size_t{0}, studies.size(), [&](std::size_t i) {
+        const Plot plot = curvePlot(studies[i], record.curveMetric, styles);
+        const std::filesystem::path path = folder.curve(studies[i].scene);
+        writeFileAtomically(std::filesystem::path(path).concat(".svg"), plotSvg(plot));
+        writeFileAtomically(std::filesystem::path(path).concat(".png"), plotPng(plot));
+    });
 }
 
 /// A document of its own as a section: its headings one level deeper.

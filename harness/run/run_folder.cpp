@@ -6,25 +6,20 @@
 
 #include "core/error.hpp"
 #include "core/image/image.hpp"
-#include "core/image/image_channel.hpp"
+#include "core/image/image_channels.hpp"
 #include "harness/run/provenance.hpp"
 
 namespace penumbra {
 namespace {
 
-constexpr int kPosition = 0, kNormal = 3, kMask = 6, kAlbedo = 7;
+constexpr std::size_t kPosition = 0, kNormal = 3, kMask = 6, kAlbedo = 7;
 const std::vector<std::string> kGBufferChannels = {
     "P.X", "P.Y", "P.Z", "N.X", "N.Y", "N.Z", "mask", "albedo.R", "albedo.G", "albedo.B"};
-
-std::vector<float> channelOf(const Image& image, const std::string& name,
-                             const std::filesystem::path& path) {
-    if (std::ranges::find(image.channels, name) == image.channels.end())
-        throw InputError(fmt::format("{}: no channel '{}'", path.string(), name));
-    return image.channel(name);
-}
+const std::vector<std::string> kReferenceChannels = {"visibility", "standard_error", "rays",
+                                                     "irradiance", "irradiance_unshadowed"};
 
 /// A folder may have been put together by hand.
-void requireSize(const std::filesystem::path& path, const ImageChannel& image, const GBuffer& g) {
+void requireSize(const std::filesystem::path& path, const ImageChannels& image, const GBuffer& g) {
     if (image.width != g.width || image.height != g.height)
         throw InputError(fmt::format("{}: {} x {} pixels, the frame's gbuffer.exr has {} x {}",
                                      path.string(), image.width, image.height, g.width, g.height));
@@ -51,9 +46,7 @@ void writeGBuffer(const std::filesystem::path& path, const GBuffer& gbuffer,
 }
 
 void writeReference(const std::filesystem::path& path, const Reference& reference) {
-    Image r = Image::withChannels(
-        reference.width, reference.height,
-        {"visibility", "standard_error", "rays", "irradiance", "irradiance_unshadowed"});
+    Image r = Image::withChannels(reference.width, reference.height, kReferenceChannels);
     r.setChannel("visibility", reference.visibility);
     r.setChannel("standard_error", reference.standardError);
     r.setChannel("rays", reference.rays);
@@ -106,15 +99,13 @@ void RunFolder::writeVisibility(const std::string& scene, int frame, const std::
 
 GBuffer RunFolder::readGBuffer(const std::string& scene, int frame) const {
     const std::filesystem::path path = images(scene, frame) / "gbuffer.exr";
-    const Image image = readImage(path);
+    const ImageChannels image = readChannels(path, kGBufferChannels);
     GBuffer g;
     g.width = image.width;
     g.height = image.height;
-    const auto channel = [&](int index) {
-        return channelOf(image, kGBufferChannels[static_cast<std::size_t>(index)], path);
-    };
-    const auto vectors = [&](int first) {
-        const auto x = channel(first), y = channel(first + 1), z = channel(first + 2);
+    const auto vectors = [&](std::size_t first) {
+        const auto &x = image.values[first], &y = image.values[first + 1],
+                   &z = image.values[first + 2];
         std::vector<glm::vec3> out(x.size());
         for (std::size_t i = 0; i < out.size(); ++i) out[i] = {x[i], y[i], z[i]};
         return out;
@@ -122,36 +113,34 @@ GBuffer RunFolder::readGBuffer(const std::string& scene, int frame) const {
     g.position = vectors(kPosition);
     g.geometricNormal = g.shadingNormal = vectors(kNormal);
     g.albedo = vectors(kAlbedo);
-    for (const float m : channel(kMask)) {
+    for (const float m : image.values[kMask]) {
         if (m != 0.0f && m != 1.0f && m != 2.0f && m != 3.0f)
             throw InputError(
                 fmt::format("{}: a mask of {}; valid are 0, 1, 2, 3", path.string(), m));
         g.mask.push_back(static_cast<PixelClass>(m));
     }
     const std::filesystem::path reference = images(scene, frame) / "reference.exr";
-    ImageChannel irradiance = readChannel(reference, "irradiance_unshadowed");
+    ImageChannels irradiance = readChannels(reference, {"irradiance_unshadowed"});
     requireSize(reference, irradiance, g);
-    g.irradianceUnshadowed = std::move(irradiance.values);
+    g.irradianceUnshadowed = std::move(irradiance.values.front());
     return g;
 }
 
 Reference RunFolder::readReference(const std::string& scene, int frame) const {
     const std::filesystem::path path = images(scene, frame) / "reference.exr";
-    const Image image = readImage(path);
+    ImageChannels image = readChannels(path, kReferenceChannels);
     Reference r;
     r.width = image.width;
     r.height = image.height;
-    r.visibility = channelOf(image, "visibility", path);
-    r.standardError = channelOf(image, "standard_error", path);
-    r.rays = channelOf(image, "rays", path);
-    r.irradiance = channelOf(image, "irradiance", path);
-    r.irradianceUnshadowed = channelOf(image, "irradiance_unshadowed", path);
+    for (std::size_t i = 0; std::vector<float> * values : {&r.visibility, &r.standardError, &r.rays,
+                                                           &r.irradiance, &r.irradianceUnshadowed})
+        *values = std::move(image.values[i++]);
     return r;
 }
 
 std::vector<float> RunFolder::readVisibility(const std::string& scene, int frame,
                                              const std::string& name) const {
-    return readChannel(setting(scene, frame, name), "visibility").values;
+    return std::move(readChannels(setting(scene, frame, name), {"visibility"}).values.front());
 }
 
 }  // namespace penumbra
