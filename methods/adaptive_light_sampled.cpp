@@ -174,7 +174,7 @@ class AdaptiveLightSampled : public ShadowMethod {
     void shade(const Frame& frame, const Plan& plan, const VisibilityTarget& target) override {
         // Light space may have stayed as it was while the camera, which refinement depends on,
         // moved.
-        if (!hard_ && space_.is("camera") && !(builtFor_ == frame.camera)) build(frame, plan);
+        if (!hard_ && space_.is("camera") && builtFor_ != frame.camera) build(frame, plan);
         if (!hard_ && evaluation_.is("buffer")) return accumulate(frame, target);
         const gl::DebugGroup group("adaptive_light_sampled: evaluate");
         const bool fromBits = !hard_ && shadedFromBits();
@@ -189,6 +189,8 @@ class AdaptiveLightSampled : public ShadowMethod {
         classes_.shade(program, frame);
         target.draw(classes_.answers(), frame.gbufferTextures);
     }
+
+    void forgetCamera() override { builtFor_.reset(); }
 
     WorkCounters counters() const override {
         const int maps = maps_.count() * maps_.tileCount() + centreMap_.map().layers();
@@ -426,7 +428,7 @@ class AdaptiveLightSampled : public ShadowMethod {
     AccumulationBuffer sum_;
     gl::Program oneMap_, all_, add_, resolve_, differ_, collect_, differCollected_, mark_,
         shadeBits_, undecided_;
-    Camera builtFor_;
+    std::optional<Camera> builtFor_;
     bool hard_ = false, tilesFound_ = false;
     Plan plan_;
 };

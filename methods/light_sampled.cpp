@@ -116,6 +116,8 @@ class LightSampled : public ShadowMethod {
         target.draw(hard_ ? oneMap_ : all_, frame.gbufferTextures);
     }
 
+    void forgetCamera() override { tiles_.forgetCamera(); }
+
     WorkCounters counters() const override {
         const int maps = static_cast<int>(points_.size()) * maps_.tileCount();
         const double texels = static_cast<double>(mapSize_) * mapSize_;

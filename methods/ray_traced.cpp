@@ -67,6 +67,8 @@ class RayTraced : public ShadowMethod {
         target.upload(visibility_);
     }
 
+    void forgetCamera() override { tiles_.forgetCamera(); }
+
   private:
     static constexpr std::uint32_t kScramble = 0x5eed1e55u;
     static constexpr double kFindingRays = 4.0;

@@ -26,8 +26,8 @@ class VisibilityTarget {
     virtual int width() const = 0;
     virtual int height() const = 0;
     /// Binds the target's framebuffer and viewport, sets the state of a full-screen pass (no depth
-    /// test, no blending, no culling) and draws one triangle over it with `program`, which is in use
-    /// with the G-buffer bound (shaders/common/receiver.glsl).
+    /// test, no blending, no culling) and draws one triangle over it with `program`, which is in
+    /// use with the G-buffer bound (shaders/common/receiver.glsl).
     virtual void draw(const gl::Program& program, const GBufferTextures& gbuffer) const = 0;
     /// For methods that compute on the CPU: width * height visibilities.
     virtual void upload(std::span<const float> visibility) const = 0;
@@ -35,10 +35,10 @@ class VisibilityTarget {
 
 /// Visible work that does not depend on the machine, counted by the method where GL cannot.
 struct WorkCounters {
-    int maps = 0;               ///< shadow maps rendered by the last build
-    double lightTexels = 0.0;   ///< light-space texels they hold
-    double textureMib = 0.0;    ///< memory of the method's own textures
-    std::string message;        ///< what the row should say, usually empty
+    int maps = 0;              ///< shadow maps rendered by the last build
+    double lightTexels = 0.0;  ///< light-space texels they hold
+    double textureMib = 0.0;   ///< memory of the method's own textures
+    std::string message;       ///< what the row should say, usually empty
 };
 
 /// Something between a method's passes that is worth looking at, by the name that its paper has for
@@ -65,14 +65,17 @@ class ShadowMethod : public Parameters {
     virtual void build(const Frame& frame, const Plan& plan) = 0;
     /// Per-pixel work: visibility V in [0,1] (1 lit) for every scored and horizon pixel.
     virtual void shade(const Frame& frame, const Plan& plan, const VisibilityTarget& target) = 0;
+    /// Drops what shade keeps for as long as the camera stays. Every frame of a moving camera finds
+    /// another one: the harness says so before it measures one more than once.
+    virtual void forgetCamera() {}
     virtual WorkCounters counters() const { return {}; }
-    /// What the last frame left, for people to look at. Textures that this plan or setting has no use
-    /// for may be listed without having been made.
+    /// What the last frame left, for people to look at. Textures that this plan or setting has no
+    /// use for may be listed without having been made.
     virtual std::vector<NamedTexture> textures() const { return {}; }
 };
 
 struct MethodInfo {
-    std::string id;      ///< file stem, command line name, CSV value
+    std::string id;  ///< file stem, command line name, CSV value
     std::string title;
     std::string source;  ///< paper
     std::function<std::unique_ptr<ShadowMethod>()> make;

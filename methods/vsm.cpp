@@ -120,8 +120,7 @@ class Vsm : public ShadowMethod {
     }
 
     void prepare(const Scene&, const Plan& plan) override {
-        depth_ = DepthPass(plan, MapBias::filtered(mapPlan(plan)),
-                           plan.has(Effect::penumbra) ? MapSides::both : MapSides::facing);
+        depth_ = DepthPass(plan, MapBias::filtered(mapPlan(plan)));
         if (!plan.has(Effect::penumbra)) return compileHard(plan);
         layerPass_ = LayerPass::create();
         std::vector<std::string> format;

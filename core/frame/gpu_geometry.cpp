@@ -110,8 +110,9 @@ GpuGeometry::GpuGeometry(std::shared_ptr<const Geometry> geometry, const GpuMate
     glVertexArrayElementBuffer(id, indices_.id());
 }
 
-void GpuGeometry::drawParts(std::size_t first, std::size_t end, int instances,
+void GpuGeometry::drawParts(GLuint program, std::size_t first, std::size_t end, int instances,
                             std::span<const PartDraw> how) const {
+    const GLint rasterSteps = glGetUniformLocation(program, "rasterSteps");
     const auto howOf = [&](std::size_t i) {
         return how.empty() ? PartDraw{} : how[parts_[i].part];
     };
@@ -126,6 +127,7 @@ void GpuGeometry::drawParts(std::size_t first, std::size_t end, int instances,
             glEnable(GL_CULL_FACE);
             glCullFace(part.culled);
         }
+        if (rasterSteps >= 0) glProgramUniform1f(program, rasterSteps, part.rasterSteps);
         const auto offset =
             static_cast<std::uintptr_t>(parts_[first].firstIndex) * sizeof(std::uint32_t);
         glDrawElementsInstanced(GL_TRIANGLES, static_cast<GLsizei>(indexCount), GL_UNSIGNED_INT,
@@ -139,7 +141,7 @@ void GpuGeometry::draw(GLuint program, bool alphaMask, int instances,
     glBindVertexArray(vertexArray_.id());
     if (!alphaMask) {
         setAlphaUniforms(program, nullptr);
-        drawParts(0, parts_.size(), instances, how);
+        drawParts(program, 0, parts_.size(), instances, how);
     } else {
         for (const Batch& batch : batches_) {
             const Material* masked =
@@ -148,7 +150,7 @@ void GpuGeometry::draw(GLuint program, bool alphaMask, int instances,
                     : &materials_->materials()[static_cast<std::size_t>(batch.material)];
             setAlphaUniforms(program, masked);
             if (masked) materials_->bind(batch.material, 0);
-            drawParts(batch.firstPart, batch.endPart, instances, how);
+            drawParts(program, batch.firstPart, batch.endPart, instances, how);
         }
     }
     glBindVertexArray(0);

@@ -28,6 +28,12 @@ class GpuMaterials {
 struct PartDraw {
     bool drawn = true;
     GLenum culled = GL_NONE;  ///< GL_FRONT or GL_BACK: faces left out; front runs counterclockwise
+    /// Across the viewport: vertices are put where rasterisation puts them anyway, so that a
+    /// triangle's depths are those of the corners that it is covered with. Else they are off by a
+    /// part of a step, which is much where it is seen edge-on, and averted sides of a closed body
+    /// come out in front of its others at its outline. For parts that are ahead of the viewer with
+    /// all of their vertices; 0: they stay as they are. A uniform of the program's, if it has it.
+    float rasterSteps = 0.0f;
     bool operator==(const PartDraw&) const = default;
 };
 
@@ -56,7 +62,7 @@ class GpuGeometry {
         std::size_t part;  ///< in Geometry::parts
         std::uint32_t firstIndex, indexCount;
     };
-    void drawParts(std::size_t first, std::size_t end, int instances,
+    void drawParts(GLuint program, std::size_t first, std::size_t end, int instances,
                    std::span<const PartDraw> how) const;
 
     std::shared_ptr<const Geometry> geometry_;

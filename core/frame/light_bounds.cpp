@@ -49,6 +49,9 @@ LightBounds united(LightBounds a, const LightBounds& b) {
     for (std::size_t i = 0; i < a.sides.size(); ++i) merge(a.sides[i], b.sides[i]);
     for (std::size_t i = 0; i < a.fromCorners.size(); ++i)
         merge(a.fromCorners[i], b.fromCorners[i]);
+    a.acrossLo = glm::min(a.acrossLo, b.acrossLo);
+    a.acrossHi = glm::max(a.acrossHi, b.acrossHi);
+    a.receivers.insert(a.receivers.end(), b.receivers.begin(), b.receivers.end());
     return a;
 }
 
@@ -72,14 +75,15 @@ LightBounds boundLight(const AreaLight& light, const GBuffer& gbuffer, const Geo
     std::array<Axes, 5> axes;
     for (std::size_t i = 0; i < axes.size(); ++i) axes[i] = lightSideAxes(light, i);
     using Range = tbb::blocked_range<std::size_t>;
-    const LightBounds receivers = tbb::parallel_reduce(
+    LightBounds receivers = tbb::parallel_reduce(
         Range(0, gbuffer.size(), 8192), LightBounds{},
         [&](const Range& range, LightBounds b) {
             for (std::size_t i = range.begin(); i < range.end(); ++i) {
-                if (gbuffer.mask[i] != PixelClass::scored && gbuffer.mask[i] != PixelClass::horizon)
-                    continue;
+                if (!isAsked(gbuffer.mask[i])) continue;
                 const glm::dvec3 p = glm::dvec3(gbuffer.position[i]) - light.centre;
                 const glm::dvec3 l = inAxes(axes[0], p);
+                b.acrossLo = glm::min(b.acrossLo, glm::dvec2(l));
+                b.acrossHi = glm::max(b.acrossHi, glm::dvec2(l));
                 if (l.z <= 0.0) continue;
                 include(b.whole, l);
                 const glm::dvec2 across(l), corner(light.halfU, light.halfV);
@@ -92,8 +96,8 @@ LightBounds boundLight(const AreaLight& light, const GBuffer& gbuffer, const Geo
             return b;
         },
         united);
-    return tbb::parallel_reduce(
-        Range(0, geometry.positions.size(), 8192), receivers,
+    const LightBounds casters = tbb::parallel_reduce(
+        Range(0, geometry.positions.size(), 8192), LightBounds{},
         [&](const Range& range, LightBounds b) {
             for (std::size_t i = range.begin(); i < range.end(); ++i) {
                 const glm::dvec3 p = glm::dvec3(geometry.positions[i]) - light.centre;
@@ -106,6 +110,11 @@ LightBounds boundLight(const AreaLight& light, const GBuffer& gbuffer, const Geo
             return b;
         },
         united);
+    constexpr std::size_t kReceivers = 20000;
+    const std::size_t stride = 1 + gbuffer.size() / kReceivers;
+    for (std::size_t i = 0; i < gbuffer.size(); i += stride)
+        if (isAsked(gbuffer.mask[i])) receivers.receivers.push_back(gbuffer.position[i]);
+    return united(std::move(receivers), casters);
 }
 
 }  // namespace penumbra

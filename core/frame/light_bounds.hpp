@@ -2,6 +2,7 @@
 
 #include <array>
 #include <glm/glm.hpp>
+#include <vector>
 
 #include "core/frame/gbuffer.hpp"
 #include "core/scene/area_light.hpp"
@@ -35,6 +36,9 @@ struct LightBounds {
     /// `whole`'s tangents as seen from the corners -u -v and +u +v of the light instead of its
     /// centre.
     std::array<TangentBounds, 2> fromCorners;
+    glm::dvec2 acrossLo{1e300}, acrossHi{-1e300};  ///< metres along the light's u and v
+    /// Some ten thousand of the receivers of each frame, relative to the scene's centre.
+    std::vector<glm::vec3> receivers;
     bool operator==(const LightBounds&) const = default;
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/frame/frame.hpp"
@@ -26,7 +27,9 @@ class LitTiles {
     /// `reachTangent`: how far beside a receiver is looked, as a part of its depth z.
     void find(const Frame& frame, const glm::dvec2& half, const glm::dvec2& reachTangent);
     /// Whether the tiles are those that this camera sees.
-    bool isFor(const Camera& camera) const { return camera == camera_; }
+    bool isFor(const Camera& camera) const { return camera_ == camera; }
+    /// They are no camera's from now on.
+    void forgetCamera() { camera_.reset(); }
 
     int across() const { return across_; }
     int down() const { return down_; }
@@ -44,7 +47,7 @@ class LitTiles {
     std::unique_ptr<Casters> casters_;
     std::vector<char> lit_;
     int across_ = 0, down_ = 0;
-    Camera camera_;
+    std::optional<Camera> camera_;
 };
 
 }  // namespace penumbra

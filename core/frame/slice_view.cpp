@@ -20,27 +20,18 @@ glm::dvec3 inLight(const SliceView& view, const glm::vec3& position) {
     return {glm::dot(view.axisX, p), glm::dot(view.axisY, p), glm::dot(view.axisZ, p)};
 }
 
-template <class Visit>
-void forEachReceiver(const Frame& frame, const SliceView& view, std::size_t stride,
-                     const Visit& visit) {
-    for (std::size_t i = 0; i < frame.gbuffer.size(); i += stride)
-        if (isAsked(frame.gbuffer.mask[i])) visit(inLight(view, frame.gbuffer.position[i]));
-}
-
 /// The farthest receiver in each cell of the frustum's section: what is not well in front of those
 /// around it casts no shadow that anyone sees.
 class FarthestReceivers {
   public:
     FarthestReceivers(const Frame& frame, const SliceView& view)
         : view_(view), receivers_(kSide * kSide, glm::dvec3(0.0)) {
-        // Some ten thousand points are enough to find a cell's depth.
-        constexpr std::size_t kPoints = 20000;
-        const std::size_t stride = 1 + frame.gbuffer.size() / kPoints;
-        forEachReceiver(frame, view, stride, [&](const glm::dvec3& p) {
+        for (const glm::vec3& receiver : frame.lightBounds.receivers) {
+            const glm::dvec3 p = inLight(view, receiver);
             glm::dvec3& farthest = receivers_[index(cell(p))];
             if (p.z > farthest.z) farthest = p;
             if (p.z > farthest_.z) farthest_ = p;
-        });
+        }
     }
 
     /// Adds the parts of a polygon that are at least `leastM` clear: the farthest receiver in the
@@ -191,16 +182,6 @@ std::vector<DepthExtent> castersIn(const SliceView& view, const Frame& frame, co
     return all;
 }
 
-/// Receivers and the light in light coordinates x, y.
-std::array<glm::dvec2, 2> acrossOf(const Frame& frame, const SliceView& view) {
-    const glm::dvec2 half(frame.light.halfU, frame.light.halfV);
-    std::array<glm::dvec2, 2> bounds = {-half, half};
-    forEachReceiver(frame, view, 1, [&](const glm::dvec3& p) {
-        bounds = {glm::min(bounds[0], glm::dvec2(p)), glm::max(bounds[1], glm::dvec2(p))};
-    });
-    return bounds;
-}
-
 /// Holds the ways between receivers and light at depths from `nearM` on.
 void fitFrustum(SliceView& view, const Frame& frame, const SliceSettings& settings, double nearM) {
     const glm::dvec2 half(frame.light.halfU, frame.light.halfV);
@@ -215,7 +196,9 @@ void fitFrustum(SliceView& view, const Frame& frame, const SliceSettings& settin
             "behind the light that occlusion textures are sliced in");
     std::array<glm::dvec2, 2> window = {glm::dvec2(0.0), glm::dvec2(0.0)};
     if (view.orthographic) {
-        window = acrossOf(frame, view);
+        // Of the receivers and the light.
+        window = {glm::min(-half, frame.lightBounds.acrossLo),
+                  glm::max(half, frame.lightBounds.acrossHi)};
     } else {
         // Where the scene is no wider than the light no distance is too far; past twice the depth
         // of the scene the frustum is straight enough.

@@ -2,13 +2,30 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace penumbra {
+namespace {
 
-DepthPass::DepthPass(const Plan& plan, MapParts parts, MapSides sides)
-    : alphaMask_(plan.has(Effect::alpha_mask)),
-      parts_(parts),
-      sides_(plan.everyPixel ? MapSides::both : sides) {
+/// Whether all of the box is in front of the light and not so far beside the map that floats have
+/// no digits for steps of its rasterisation.
+bool isAhead(const Bounds& box, const glm::mat4& clipFromWorld) {
+    constexpr float kFarthest = 8.0f;  // halves of the map
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::dvec3 p(corner & 1 ? box.hi.x : box.lo.x, corner & 2 ? box.hi.y : box.lo.y,
+                           corner & 4 ? box.hi.z : box.lo.z);
+        const glm::vec4 clip = clipFromWorld * glm::vec4(p, 1.0);
+        if (!(clip.w > 0.0f) || std::abs(clip.x) > kFarthest * clip.w ||
+            std::abs(clip.y) > kFarthest * clip.w)
+            return false;
+    }
+    return true;
+}
+
+}  // namespace
+
+DepthPass::DepthPass(const Plan& plan, MapParts parts)
+    : alphaMask_(plan.has(Effect::alpha_mask)), parts_(parts), leavesAverted_(!plan.everyPixel) {
     program_ = gl::Program::graphics(
         "common/depth_pass.glsl",
         alphaMask_ ? std::vector<std::string>{"ALPHA_MASK"} : std::vector<std::string>{});
@@ -76,6 +93,10 @@ std::vector<PartDraw> DepthPass::howDrawn(const Frame& frame, const LightView& v
     const LightTile& t = view.tiles[tile];
     // In a right-handed frame what runs counterclockwise for the light runs clockwise in its map.
     const double handed = glm::dot(glm::cross(t.axisX, t.axisY), t.axisZ);
+    const glm::mat4 clipFromWorld = view.clipFromWorld(tile);
+    GLint subpixelBits = 0;
+    glGetIntegerv(GL_SUBPIXEL_BITS, &subpixelBits);
+    const float rasterSteps = std::ldexp(static_cast<float>(size), subpixelBits);
     const bool compared = parts_ == MapParts::compared && comparesInTheWay(frame, view, size, 1);
     std::vector<PartDraw> how;
     how.reserve(frame.casterFacts.parts.size());
@@ -83,9 +104,9 @@ std::vector<PartDraw> DepthPass::howDrawn(const Frame& frame, const LightView& v
         PartDraw& drawn = how.emplace_back();
         if (parts_ == MapParts::casting) drawn.drawn = part.casts;
         if (compared) drawn.drawn = part.inTheWay;
-        const bool outside = glm::any(glm::greaterThan(view.centre, part.bodies.hi)) ||
-                             glm::any(glm::lessThan(view.centre, part.bodies.lo));
-        if (part.outward != 0 && outside && sides_ == MapSides::facing)
+        if (part.outward == 0 || !isAhead(part.bodies, clipFromWorld)) continue;
+        drawn.rasterSteps = rasterSteps;
+        if (leavesAverted_)
             drawn.culled = (handed < 0.0) == (part.outward > 0) ? GL_BACK : GL_FRONT;
     }
     return how;

@@ -23,30 +23,22 @@ enum class MapParts {
     casting,
 };
 
-/// Which sides of closed bodies a map holds.
-enum class MapSides {
-    /// Those that are turned to the light's centre: along any ray from outside of a body they are
-    /// met first. Single texels at outlines may be as far off as rasterisation puts a face that it
-    /// sees edge-on, 1e-4 of their depth: far less than a texel of bias.
-    facing,
-    both,  ///< for maps of which more than comparisons is made
-};
-
 /// Whether PartFacts::inTheWay holds for maps of that view and size, where comparisons are with
 /// `kernel` x `kernel` texels.
 bool comparesInTheWay(const Frame& frame, const LightView& view, int size, int kernel);
 
 /// A shadow map of a light view: DEPTH_COMPONENT32F 2D array, one layer per tile, storing
-/// s = nearM / z (see LightView), 0 where no caster is. Both sides of every triangle cast, but for
-/// MapSides::facing of bodies known to be closed (PartFacts::outward) that the light's centre is
-/// outside of.
+/// s = nearM / z (see LightView), 0 where no caster is. Both sides of every triangle cast. Of
+/// bodies known to be closed (PartFacts::outward) that are all in front of the light, those that
+/// are turned away are left out: along any ray they are met behind others, and the map is the same
+/// to the last bit (PartDraw::rasterSteps).
 class DepthPass {
   public:
     DepthPass() = default;
     /// Compiles the program, with the alpha test if the plan has it; maps are allocated by render.
-    /// MapParts::compared is for comparisons with one texel. A plan of every pixel has both sides.
-    explicit DepthPass(const Plan& plan, MapParts parts = MapParts::all,
-                       MapSides sides = MapSides::facing);
+    /// MapParts::compared is for comparisons with one texel. A plan of every pixel draws both sides
+    /// of everything.
+    explicit DepthPass(const Plan& plan, MapParts parts = MapParts::all);
 
     /// Renders the casters into `size` x `size` texels per tile. Sets all GL state it needs.
     void render(const Frame& frame, const LightView& view, int size);
@@ -73,7 +65,7 @@ class DepthPass {
     LightView view_;
     bool alphaMask_ = false;
     MapParts parts_ = MapParts::all;
-    MapSides sides_ = MapSides::both;
+    bool leavesAverted_ = false;
 };
 
 /// For reading a depth pass's map as a sampler2DArrayShadow: the share, bilinear, of the four

@@ -55,6 +55,10 @@ void SettingRun::warmUp(const Frame& frame, const Plan& plan, bool keepMaps,
     row.message = own.message;
 }
 
+void SettingRun::forgetCamera() {
+    if (kept_ && plan_.has(Effect::moving_camera)) method_->forgetCamera();
+}
+
 SettingRun::Sample SettingRun::timed(const Frame& frame, const TextureTarget& target) {
     resetGlState();
     Sample sample;
@@ -153,6 +157,7 @@ void runCells(const Frame& frame, const CellOptions& options, const std::vector<
             Cell& cell = cells[i];
             if (!cell.run || cell.measured(options)) continue;
             if (!guarded(cell, [&] {
+                    cell.run->forgetCamera();
                     const SettingRun::Sample s = cell.run->timed(*cell.frame, target);
                     cell.build.push_back(s.buildMs);
                     cell.shade.push_back(s.shadeMs);

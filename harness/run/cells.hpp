@@ -43,6 +43,9 @@ class SettingRun {
         double buildMs = 0.0, shadeMs = 0.0;
     };
     Sample timed(const Frame& frame, const TextureTarget& target);
+    /// Before another timed frame of the same camera: one that moves would find another, and what
+    /// the method kept for this one is no saving.
+    void forgetCamera();
     /// One timed frame where anything may have changed since the last: prepares the method if its
     /// plan did, keeps the maps where the light inputs did not. Throws what the method throws.
     Sample live(const Frame& frame, const Plan& plan, const TextureTarget& target);

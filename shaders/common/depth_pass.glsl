@@ -2,12 +2,20 @@
 #ifdef STAGE_VERTEX
 layout(location = 0) in vec3 position;
 uniform mat4 clipFromWorld;
+uniform float rasterSteps;  // PartDraw::rasterSteps
 #ifdef ALPHA_MASK
 layout(location = 1) in vec2 texCoord;
 out vec2 uv;
 #endif
+
+vec4 onRaster(vec4 clip) {
+    float steps = 0.5 * rasterSteps;
+    if (steps == 0.0) return clip;
+    return vec4(round(clip.xy / clip.w * steps) / steps * clip.w, clip.zw);
+}
+
 void main() {
-    gl_Position = clipFromWorld * vec4(position, 1.0);
+    gl_Position = onRaster(clipFromWorld * vec4(position, 1.0));
 #ifdef ALPHA_MASK
     uv = texCoord;
 #endif

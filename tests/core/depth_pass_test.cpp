@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/gl/work_counter.hpp"
 #include "tests/support/gl_fixture.hpp"
@@ -119,7 +120,9 @@ TEST_F(DepthPassTest, ClosedBodiesAreDrawnWithoutTheSidesTurnedAway) {
         view.tiles.push_back({x, y, z});
     }
     const auto draw = [&](const TestFrame& frame, bool everyPixel) {
-        DepthPass pass(Plan{.everyPixel = everyPixel});
+        Plan plan;
+        plan.everyPixel = everyPixel;
+        DepthPass pass(plan);
         gl::WorkCounter counter;
         pass.render(*frame, view, kMapSize);
         const std::uint64_t fragments = counter.stop().fragments;
@@ -148,6 +151,26 @@ TEST_F(DepthPassTest, ClosedBodiesAreDrawnWithoutTheSidesTurnedAway) {
     around.box({-1, -1, -1}, {1, 1, 1});
     const TestFrame frame = casters(around);
     EXPECT_EQ(draw(frame, false), draw(frame, true)) << "the light is inside";
+}
+
+// Faces of less than a texel that are seen edge-on: rasterisation moves their corners by as much as
+// they are wide.
+TEST_F(DepthPassTest, AvertedSidesOfFineBodiesAreNowhereTheNearest) {
+    Shape bodies;
+    for (int i = 1; i < 40; ++i) {
+        const glm::dvec2 at(0.9 * std::sin(2.4 * i) * i / 40.0, 0.9 * std::cos(2.4 * i) * i / 40.0);
+        bodies.sphere({at, -1.2 - 0.01 * i}, 0.04 + 0.002 * i, 24);
+    }
+    const TestFrame frame = casters(bodies);
+    ASSERT_NE(frame->casterFacts.parts[0].outward, 0);
+    const auto map = [&](bool everyPixel, int size) {
+        Plan plan;
+        plan.everyPixel = everyPixel;
+        DepthPass pass(plan);
+        pass.render(*frame, downwards(0.5), size);
+        return read(pass);
+    };
+    for (const int size : {100, 256, 1000}) EXPECT_EQ(map(false, size), map(true, size)) << size;
 }
 
 TEST_F(DepthPassTest, EveryTileHasItsLayerAndMapsFollowTheirSize) {

@@ -206,6 +206,41 @@ TEST_P(Contract, MovingLightLeavesNothingBehind) {
     EXPECT_EQ(renderer(after), render(after, id()));
 }
 
+// Where a camera moves alone, maps are kept: they are of receivers and casters, not of who looks.
+TEST_P(Contract, ACameraThatMovesAloneMayKeepWhatWasBuilt) {
+    Shape shape;
+    shape.box({-1.0, -1.0, -0.1}, {1.0, 1.0, 0.0});
+    for (int i = 0; i < 5; ++i) {
+        const glm::dvec3 corner(0.35 * i - 0.9, 0.3 * i - 0.8, 0.3 * i + 0.02);
+        shape.box(corner, corner + glm::dvec3(0.3, 0.25, 0.1));
+    }
+    World world{shape.geometry(), lightAt({0.1, 0.2, 2.5}, 0.25, 0.15)};
+    world.camera = lookingAt({1.2, -2.2, 2.6}, {0.0, 0.0, 0.1});
+    const TestFrame before(world, 64);
+    world.camera = lookingAt({0.2, 0.8, 1.9}, {0.4, 0.4, 0.9});
+    const TestFrame after(world, 64);
+    const Frame moved{after->scene,           1,
+                      after->light,           before->lightBounds,
+                      after->camera,          after->geometry,
+                      after->tracer,          after->gbuffer,
+                      after->gbufferTextures, after->gpuGeometry,
+                      after->casterFacts,     after->seed};
+    const TextureTarget target(moved.width(), moved.height());
+    const auto method = findMethod(id()).make();
+    const Plan plan = planFor({}, after.calledFor(), method->traits().simulates);
+    const auto shaded = [&] {
+        method->shade(moved, plan, target);
+        return target.read();
+    };
+    method->prepare(before->scene, plan);
+    method->build(moved, plan);
+    const Visibility built = shaded();
+    method->build(*before, plan);
+    EXPECT_EQ(shaded(), built);
+    method->forgetCamera();
+    EXPECT_EQ(shaded(), built);
+}
+
 TEST_P(Contract, ScaleDoesNotMatter) {
     const TestFrame frame(boxOverPlate(), 64);
     const Visibility image = render(frame, id());
