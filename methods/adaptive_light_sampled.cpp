@@ -174,7 +174,9 @@ class AdaptiveLightSampled : public ShadowMethod {
     void shade(const Frame& frame, const Plan& plan, const VisibilityTarget& target) override {
         // Light space may have stayed as it was while the camera, which refinement depends on,
         // moved.
-        if (!hard_ && space_.is("camera") && builtFor_ != frame.camera) build(frame, plan);
+        const bool anew = !hard_ && space_.is("camera") && builtFor_ != frame.camera;
+        if (anew) build(frame, plan);
+        shadeMaps_ = anew ? mapCount() : 0;
         if (!hard_ && evaluation_.is("buffer")) return accumulate(frame, target);
         const gl::DebugGroup group("adaptive_light_sampled: evaluate");
         const bool fromBits = !hard_ && shadedFromBits();
@@ -193,12 +195,12 @@ class AdaptiveLightSampled : public ShadowMethod {
     void forgetCamera() override { builtFor_.reset(); }
 
     WorkCounters counters() const override {
-        const int maps = maps_.count() * maps_.tileCount() + centreMap_.map().layers();
+        const int maps = mapCount();
         const double texels = static_cast<double>(mapSize_) * mapSize_;
         return {maps, maps * texels,
                 maps_.mebibytes() + centreMap_.map().mebibytes() + classes_.mebibytes() +
                     sum_.mebibytes() + bits_.mebibytes() + collected_.mebibytes(),
-                hard_ ? "" : refinement_.summary()};
+                hard_ ? "" : refinement_.summary(), shadeMaps_};
     }
     std::vector<NamedTexture> textures() const override {
         std::vector<NamedTexture> list;
@@ -212,6 +214,8 @@ class AdaptiveLightSampled : public ShadowMethod {
     }
 
   private:
+    int mapCount() const { return maps_.count() * maps_.tileCount() + centreMap_.map().layers(); }
+
     /// Comparisons of depths see what no shadow test does.
     MapParts mapParts(const Plan& plan) const {
         return compare_.is("tight") && !space_.is("light") ? bias_.compared(plan, kernel())
@@ -429,6 +433,7 @@ class AdaptiveLightSampled : public ShadowMethod {
     gl::Program oneMap_, all_, add_, resolve_, differ_, collect_, differCollected_, mark_,
         shadeBits_, undecided_;
     std::optional<Camera> builtFor_;
+    int shadeMaps_ = 0;
     bool hard_ = false, tilesFound_ = false;
     Plan plan_;
 };

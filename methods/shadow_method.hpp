@@ -39,6 +39,7 @@ struct WorkCounters {
     double lightTexels = 0.0;  ///< light-space texels they hold
     double textureMib = 0.0;   ///< memory of the method's own textures
     std::string message;       ///< what the row should say, usually empty
+    int shadeMaps = 0;         ///< shadow maps rendered by the last shade, for another camera
 };
 
 /// Something between a method's passes that is worth looking at, by the name that its paper has for

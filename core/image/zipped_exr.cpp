@@ -18,6 +18,8 @@
 namespace penumbra {
 namespace {
 
+constexpr std::int64_t kMostValues = std::int64_t{1} << 28;  // as readImage() has it
+
 using Bytes = std::vector<std::uint8_t>;
 
 struct CloseFile {
@@ -63,10 +65,11 @@ std::optional<Layout> layoutOf(exr_const_context_t file, const std::vector<std::
         exr_get_channels(file, 0, &channels) != EXR_ERR_SUCCESS ||
         exr_get_scanlines_per_chunk(file, 0, &layout.linesPerBlock) != EXR_ERR_SUCCESS)
         return std::nullopt;
-    constexpr std::int64_t kMostPixels = std::int64_t{1} << 26;
     const std::int64_t width = std::int64_t{data.max.x} - data.min.x + 1;
     const std::int64_t height = std::int64_t{data.max.y} - data.min.y + 1;
-    if (width < 1 || height < 1 || width > kMostPixels / height) return std::nullopt;
+    if (width < 1 || height < 1 || channels->num_channels < 1 ||
+        width > kMostValues / height / channels->num_channels)
+        return std::nullopt;
     layout.width = static_cast<int>(width);
     layout.height = static_cast<int>(height);
     layout.firstLine = data.min.y;

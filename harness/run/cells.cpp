@@ -49,7 +49,7 @@ void SettingRun::warmUp(const Frame& frame, const Plan& plan, bool keepMaps,
         row.triangles = static_cast<double>(work.triangles);
         row.fragments = static_cast<double>(work.fragments);
     }
-    row.maps = kept_ ? 0.0 : own.maps;
+    row.maps = kept_ ? own.shadeMaps : own.maps;
     row.lightTexels = own.lightTexels;
     row.textureMib = own.textureMib;
     row.message = own.message;

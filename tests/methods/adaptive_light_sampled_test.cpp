@@ -185,6 +185,26 @@ TEST_F(AdaptiveLightSampled, QueriesCountInHalfCubesToo) {
         EXPECT_GT(mapsOf(frame, with(kPaper, {{"space", space}})), 4) << space;
 }
 
+TEST_F(AdaptiveLightSampled, ATreeInCameraSpaceIsMadeAnewForAnotherCamera) {
+    const TestFrame frame = box().frame(64);
+    const TextureTarget target(frame->width(), frame->height());
+    for (const char* space : {"camera", "light"}) {
+        const auto method = findMethod(kId).make();
+        method->set(kId, "space", space);
+        const Plan plan = planFor({}, frame.calledFor(), method->traits().simulates);
+        method->prepare(frame->scene, plan);
+        method->build(*frame, plan);
+        const auto maps = [&] {
+            method->shade(*frame, plan, target);
+            return method->counters().shadeMaps;
+        };
+        EXPECT_EQ(maps(), 0) << space;
+        method->forgetCamera();
+        EXPECT_EQ(maps(), *space == 'c' ? method->counters().maps : 0) << space;
+        EXPECT_EQ(maps(), 0) << space << ": the camera stayed";
+    }
+}
+
 TEST_F(AdaptiveLightSampled, PointsDrawnInAreTheGridOfEqualCells) {
     // The same 25 points up to double rounding, which may move a pixel at a texel's border from one
     // side to the other; one map's answer is a 25th.
